@@ -51,47 +51,40 @@ pub struct Check {
     pub pass: bool,
 }
 
+/// Tolerances of an error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bars {
+    /// The largest absolute error that passes.
+    pub must: f64,
+    /// The tolerance of the state of the art.
+    pub aim: Option<f64>,
+}
+
 impl Check {
-    /// A check of the relative error.
-    pub fn relative(
-        case: &str,
-        quantity: &str,
-        value: f64,
-        reference: f64,
-        must: f64,
-        aim: Option<f64>,
-        unit: &str,
-    ) -> Self {
-        let error = value / reference - 1.0;
-        Self {
-            error,
-            pass: error.abs() <= must,
-            ..Self::absolute(case, quantity, value, reference, must, aim, unit)
-        }
+    /// A check of the relative error of a pure number.
+    pub fn relative(case: &str, quantity: impl Into<String>, value: f64, reference: f64, bars: Bars) -> Self {
+        Self::new(case, quantity.into(), value, reference, value / reference - 1.0, bars)
     }
 
-    /// A check of the error in the unit of the value.
-    pub fn absolute(
-        case: &str,
-        quantity: &str,
-        value: f64,
-        reference: f64,
-        must: f64,
-        aim: Option<f64>,
-        unit: &str,
-    ) -> Self {
-        let error = value - reference;
-        Self {
-            case: case.into(),
-            quantity: quantity.into(),
-            value,
-            reference,
-            error,
-            must,
-            aim,
-            unit: unit.into(),
-            pass: error.abs() <= must,
-        }
+    /// A check of the absolute error of a pure number.
+    pub fn absolute(case: &str, quantity: impl Into<String>, value: f64, reference: f64, bars: Bars) -> Self {
+        Self::new(case, quantity.into(), value, reference, value - reference, bars)
+    }
+
+    fn new(case: &str, quantity: String, value: f64, reference: f64, error: f64, bars: Bars) -> Self {
+        let Bars { must, aim } = bars;
+        let (case, unit, pass) = (case.into(), String::new(), error.abs() <= must);
+        Self { case, quantity, value, reference, error, must, aim, unit, pass }
+    }
+
+    /// The check with a unit of value and reference.
+    pub fn in_unit(self, unit: &str) -> Self {
+        Self { unit: unit.into(), ..self }
+    }
+
+    /// The failed check of a case that did not run to its end.
+    pub(crate) fn unfinished(case: &str, quantity: &str) -> Self {
+        Self::absolute(case, quantity, 0.0, 1.0, Bars { must: 0.0, aim: None })
     }
 }
 
@@ -115,11 +108,8 @@ impl Case {
     pub fn outcome(&self, mode: Mode) -> Outcome {
         let start = Instant::now();
         let checks = catch_unwind(AssertUnwindSafe(|| (self.run)(mode))).unwrap_or_default();
-        let checks = if checks.is_empty() {
-            vec![Check::absolute(self.name, "runs to its end", 0.0, 1.0, 0.0, None, "")]
-        } else {
-            checks
-        };
+        let checks =
+            if checks.is_empty() { vec![Check::unfinished(self.name, "runs to its end")] } else { checks };
         Outcome {
             name: self.name.into(),
             title: self.title.into(),

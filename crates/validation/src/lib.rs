@@ -11,9 +11,10 @@ pub mod pressure_bench;
 pub mod report;
 pub mod setup;
 pub mod soak;
+pub mod soft;
 pub mod solids_only;
 
-pub use crate::case::{Case, Check, Mode, Outcome};
+pub use crate::case::{Bars, Case, Check, Mode, Outcome};
 
 /// All cases, group by group.
 pub fn cases() -> &'static [Case] {

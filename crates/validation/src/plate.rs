@@ -1,14 +1,13 @@
 //! Deformable plates with a drop on them, shared by the cases.
 
-use crate::setup::run_to;
-use meniscus_elastic::{
-    Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, SurfaceTension,
-};
+use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::{SoftMaterial, not_made};
+use meniscus_elastic::{Anchor, Elastic, ElementOrder, SurfaceTension};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LineTracker, Model, Motion, Simulation, Solid, StepError, Wall};
+use std::f64::consts::FRAC_PI_2;
 use std::iter::Sum;
 use std::ops::Div;
 use std::sync::Arc;
@@ -76,6 +75,28 @@ pub struct Plate {
 }
 
 impl PlateSetup {
+    /// A free plate of length 5 and stiffness 1 in the middle of a domain, with a drop of half a disc's area at its contact angle;
+    /// without a thickness.
+    pub fn free(cells: usize, angle: f64) -> Self {
+        Self {
+            cells,
+            angle,
+            initial_angle: angle,
+            length: 5.0,
+            thickness: 0.0,
+            bending: 1.0,
+            poisson: 0.3,
+            own_tension: 0.0,
+            density: 1.0,
+            damping: 0.3,
+            area: FRAC_PI_2,
+            drop_offset: 0.0,
+            viscosity: 0.3,
+            support: PlateSupport::Free,
+            domain_and_plate_height: [4.0, 1.4],
+        }
+    }
+
     /// Half the width wetted by the drop on a flat plate at a contact angle, degrees.
     pub fn half_width(&self, angle: f64) -> f64 {
         let t = angle.to_radians();
@@ -92,15 +113,10 @@ impl PlateSetup {
         let grid = Grid::<2>::new([0, 1].map(|a| (room[a] * self.cells as f64) as usize), dx);
         let middle = Vector::<2>::new(0.5 * room[0] + 0.13 * dx, self.domain_and_plate_height[1] + 0.3 * dx);
         let half = Vector::<2>::new(0.5 * self.length, 0.5 * self.thickness);
-        let shape = Shape::Box { center: middle, half_size: half, rotation: Matrix::identity() };
+        let shape = block(middle, half);
         let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
         let low = middle - half;
-        let side = |height: f64| {
-            let on = mesh.positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
-            let mut on: Vec<(usize, f64)> = on.map(|(k, x)| (k, x[0] - middle[0])).collect();
-            on.sort_by(|a, b| a.1.total_cmp(&b.1));
-            on
-        };
+        let side = |height: f64| vertices_at_height(&mesh.positions, height, middle[0]);
         let (bottom, top) = (side(low[1]), side(low[1] + self.thickness));
         let motion = match self.support {
             PlateSupport::Rigid => Motion::Fixed,
@@ -116,23 +132,16 @@ impl PlateSetup {
         let beside = move |x: &Vector<2>| (middle[1] + side - x[1]).min((x[0] - middle[0]).abs() - half[0]);
         let drop = move |x: &Vector<2>| ((x - center).norm() - radius).max(middle[1] - x[1]).max(beside(x));
         let model = Model {
-            grid,
-            walls: [[Wall::Open; 2]; 2],
-            density: 1.0,
             kinematic_viscosity: self.viscosity,
-            surface_tension: 1.0,
-            gravity: Vector::zeros(),
             solids: vec![solid],
-            numerics: Numerics::default(),
+            ..unit_model(grid, [[Wall::Open; 2]; 2])
         };
-        let sim =
-            Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }]);
+        let sim = at_rest(model, &drop);
         Ok(Plate { sim, middle, bottom, top })
     }
 
     fn elastic(&self, mesh: VolumeMesh<2>, low: &Vector<2>) -> Result<Elastic<2>, StepError> {
-        let young_modulus =
-            12.0 * self.bending * (1.0 - self.poisson * self.poisson) / self.thickness.powi(3);
+        let young = 12.0 * self.bending * (1.0 - self.poisson * self.poisson) / self.thickness.powi(3);
         let anchors = match self.support {
             PlateSupport::LeftEnd => vec![Anchor::within(&mesh, |x| x[0] < low[0] + 1e-9)],
             PlateSupport::Bottom => vec![Anchor::within(&mesh, |x| x[1] < low[1] + 1e-9)],
@@ -142,16 +151,10 @@ impl PlateSetup {
             }
             _ => Vec::new(),
         };
-        let law = ConstitutiveLaw::NeoHookean {
-            young_modulus,
-            poisson_ratio: self.poisson,
-            order: ElementOrder::Quadratic,
-        };
-        let (density, damping_ratio) = (self.density, self.damping);
-        let description = ElasticSpecification { mesh, density, law, damping_ratio, anchors };
-        let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
+        let (poisson, density, damping) = (self.poisson, self.density, self.damping);
+        let description = SoftMaterial { young, poisson, density, damping }.specification(mesh, anchors);
         let tension = SurfaceTension::new(&description.mesh, self.own_tension);
-        Elastic::with_terms(description, vec![Box::new(tension)]).map_err(failed)
+        Elastic::with_terms(description, vec![Box::new(tension)]).map_err(not_made)
     }
 }
 
@@ -234,6 +237,14 @@ impl Plate {
         });
         Ok(values.sum::<Result<T, StepError>>()? / f64::from(TIMES))
     }
+}
+
+/// The vertices at a height with their positions along the first axis from an origin, in their order along it.
+pub fn vertices_at_height(positions: &[Vector<2>], height: f64, origin: f64) -> Vec<(usize, f64)> {
+    let on = positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
+    let mut on: Vec<(usize, f64)> = on.map(|(k, x)| (k, x[0] - origin)).collect();
+    on.sort_by(|a, b| a.1.total_cmp(&b.1));
+    on
 }
 
 /// Arc length along a curve at the point closest to `x`.

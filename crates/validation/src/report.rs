@@ -156,12 +156,13 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::{bar, bars};
 
     #[test]
     fn reports_show_every_check() {
         let checks = vec![
-            Check::relative("drop", "frequency", 79.5, 80.0, 0.02, Some(0.01), "rad/s"),
-            Check::absolute("drop", "angle", 93.5, 90.0, 3.0, None, "deg"),
+            Check::relative("drop", "frequency", 79.5, 80.0, bars(0.02, 0.01)).in_unit("rad/s"),
+            Check::absolute("drop", "angle", 93.5, 90.0, bar(3.0)).in_unit("deg"),
         ];
         assert!(checks[0].pass && !checks[1].pass);
         let outcome = Outcome {
@@ -187,8 +188,8 @@ mod tests {
             seconds: 2.0,
             checks: vec![check],
         };
-        let speed = Check::absolute("static-2d", "max|u|", 0.5, 0.0, 1.0, Some(0.1), "");
-        let angle = Check::absolute("sessile-2d", "angle", 93.5, 90.0, 3.0, None, "deg");
+        let speed = Check::absolute("static-2d", "max|u|", 0.5, 0.0, bars(1.0, 0.1));
+        let angle = Check::absolute("sessile-2d", "angle", 93.5, 90.0, bar(3.0)).in_unit("deg");
         let outcomes = [outcome("static-2d", speed), outcome("sessile-2d", angle)];
         let page = markdown(&outcomes, Mode::Quick, "0.1.0");
         for part in [

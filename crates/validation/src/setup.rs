@@ -1,10 +1,10 @@
 //! Models and drops shared by the cases, in any consistent units.
 
 use crate::measure::{Roundness, fit_mode, surface_points};
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Model, Numerics, Simulation, StepError, StepReport, Wall};
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, StepReport, Wall};
 
 /// Radius of the drops.
 pub const RADIUS: f64 = 0.5;
@@ -13,12 +13,17 @@ pub const TENSION: f64 = 100.0;
 
 /// A liquid without viscosity and gravity: density 1, tension 100.
 pub fn model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
+    Model { surface_tension: TENSION, ..unit_model(grid, walls) }
+}
+
+/// A liquid without viscosity and gravity: density 1, tension 1.
+pub fn unit_model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
     Model {
         grid,
         walls,
         density: 1.0,
         kinematic_viscosity: 0.0,
-        surface_tension: TENSION,
+        surface_tension: 1.0,
         gravity: Vector::zeros(),
         solids: Vec::new(),
         numerics: Numerics::default(),
@@ -28,6 +33,58 @@ pub fn model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
 /// A shift by irrational fractions of a cell, which avoids symmetries of the grid.
 pub fn grid_offset<const D: usize>(dx: f64) -> Vector<D> {
     Vector::from_fn(|a, _| dx * [0.141_421_356, 0.273_205_081, 0.367_879_441][a])
+}
+
+/// A vector with a component along the last axis, and the same one along each of the others.
+pub fn across_and_up<const D: usize>(across: f64, up: f64) -> Vector<D> {
+    Vector::from_fn(|a, _| if a + 1 == D { up } else { across })
+}
+
+/// A vector along the last axis.
+pub fn up<const D: usize>(height: f64) -> Vector<D> {
+    across_and_up(0.0, height)
+}
+
+/// A box along the axes.
+pub fn block<const D: usize>(center: Vector<D>, half_size: Vector<D>) -> Shape<D> {
+    Shape::Box { center, half_size, rotation: Matrix::identity() }
+}
+
+/// A fixed solid on which the liquid has a contact angle, degrees.
+pub fn wetted<const D: usize>(shape: Shape<D>, angle: f64) -> Solid<D> {
+    let mut solid = Solid::new(shape, Motion::Fixed, 1.0);
+    solid.young_cosine = angle.to_radians().cos();
+    solid
+}
+
+/// A simulation with one body of liquid at rest, given by its signed distance.
+pub fn at_rest<const D: usize>(
+    model: Model<D>,
+    signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
+) -> Simulation<D> {
+    in_flight(model, signed_distance, Vector::zeros())
+}
+
+/// A simulation with one body of liquid that moves with a velocity.
+pub fn in_flight<const D: usize>(
+    model: Model<D>,
+    signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
+    velocity: Vector<D>,
+) -> Simulation<D> {
+    Simulation::new(model, &[LiquidRegion { signed_distance, velocity }])
+}
+
+/// A simulation with bodies of liquid of given shapes and velocities.
+pub fn with_bodies<const D: usize>(model: Model<D>, bodies: &[(Shape<D>, Vector<D>)]) -> Simulation<D> {
+    let distances: Vec<_> =
+        bodies.iter().map(|(shape, _)| |x: &Vector<D>| shape.signed_distance(x)).collect();
+    let velocities = bodies.iter().map(|(_, velocity)| *velocity);
+    let regions: Vec<LiquidRegion<'_, D>> = distances
+        .iter()
+        .zip(velocities)
+        .map(|(signed_distance, velocity)| LiquidRegion { signed_distance, velocity })
+        .collect();
+    Simulation::new(model, &regions)
 }
 
 /// Steps to a time; `each` is called after every step.
@@ -102,9 +159,7 @@ pub fn run_drop<const D: usize>(run: &DropRun) -> Result<DropHistory, StepError>
     model.numerics.fixed_step = Some(run.step * model.capillary_dt_limit());
     let center = model.grid.domain_upper() * 0.5 + grid_offset(dx);
     let shape = Shape::PerturbedBall { center, radius: RADIUS, mode: run.mode, amplitude: run.amplitude };
-    let distance = |x: &Vector<D>| shape.signed_distance(x);
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = with_bodies(model, &[(shape, Vector::zeros())]);
     let mut history = DropHistory::default();
     history.record(&sim, run.mode);
     run_to(&mut sim, run.time, |sim, report| {

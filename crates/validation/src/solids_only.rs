@@ -1,11 +1,15 @@
 //! Solids without liquid for the contact cases: meshes, models, and monitors.
 
+use crate::Check;
+use crate::measure::{at_least, at_most, bars};
+use crate::setup::{block, unit_model, up};
 use crate::soak::{EnergyLaw, EnergyMonitor};
-use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use crate::soft::{SoftMaterial, not_made};
+use meniscus_elastic::{Anchor, Elastic};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
     Barriers, Diagnostics, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, StepError, Wall,
     overlaps,
@@ -14,21 +18,6 @@ use std::sync::Arc;
 
 /// Gravity in the cases that have it.
 pub const GRAVITY: f64 = 10.0;
-
-/// A neo-Hookean material.
-#[derive(Clone, Copy, Debug)]
-pub struct SoftMaterial {
-    /// Young's modulus.
-    pub young: f64,
-    /// Poisson's ratio.
-    pub poisson: f64,
-    /// Density.
-    pub density: f64,
-    /// Damping ratio of the lowest mode.
-    pub damping: f64,
-    /// Coulomb's coefficient of friction.
-    pub friction: f64,
-}
 
 /// The cube [−1, 1]^D with `n` cells along each axis, of simplices whose diagonals are mirrored about the middle.
 pub fn cube_mesh<const D: usize>(n: [usize; D]) -> VolumeMesh<D> {
@@ -107,39 +96,33 @@ pub fn point_at<const D: usize>(first: f64, last: f64) -> Vector<D> {
     })
 }
 
-/// A deformable solid.
+/// A deformable solid with a coefficient of friction.
 ///
 /// # Errors
 /// What the mesh lacks.
 pub fn soft<const D: usize>(
     mesh: VolumeMesh<D>,
     material: SoftMaterial,
+    friction: f64,
     anchors: Vec<Anchor<D>>,
 ) -> Result<Solid<D>, StepError> {
     let low = mesh.positions.iter().fold(Vector::repeat(f64::INFINITY), |l: Vector<D>, x| l.inf(x));
     let high = mesh.positions.iter().fold(Vector::repeat(f64::NEG_INFINITY), |l: Vector<D>, x| l.sup(x));
-    let SoftMaterial { young: young_modulus, poisson: poisson_ratio, density, damping, friction } = material;
-    let order =
-        if mesh.quadratic_simplices().is_some() { ElementOrder::Quadratic } else { ElementOrder::Linear };
-    let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order };
-    let description = ElasticSpecification { mesh, density, law, damping_ratio: damping, anchors };
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
-    let elastic = Elastic::new(description).map_err(failed)?;
+    let elastic = material.elastic(mesh, anchors).map_err(not_made)?;
     let (center, half_size) = ((low + high) * 0.5, (high - low) * 0.5);
-    let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
-    let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), density);
+    let shape = block(center, half_size);
+    let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), material.density);
     solid.friction = friction;
     Ok(solid)
 }
 
 /// A rigid box along the axes.
 pub fn rigid_box<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Motion<D>) -> Solid<D> {
-    Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, motion, 1.0)
+    Solid::new(block(center, half_size), motion, 1.0)
 }
 
 /// A rigid half-space with its face at a height, towards the middle.
 pub fn rigid_half_space<const D: usize>(height: f64, motion: Motion<D>) -> Solid<D> {
-    let up = |y: f64| Vector::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
     let shape = Shape::HalfSpace { point: up(height), normal: up(-height.signum()) };
     Solid::new(shape, motion, 1.0)
 }
@@ -149,29 +132,26 @@ pub fn prescribed_motion<const D: usize>(keyframes: Vec<(f64, Vector<D>)>) -> Mo
     Motion::Prescribed(PrescribedMotion { velocity: Vector::zeros(), angular_velocity: [0.0; 3], keyframes })
 }
 
-/// A domain of `cells` cells of a size without liquid.
+/// A domain without liquid.
 pub fn simulation_without_liquid<const D: usize>(
-    (cells, dx): ([usize; D], f64),
+    grid: Grid<D>,
     solids: Vec<Solid<D>>,
     gravity: Vector<D>,
     max_step: f64,
 ) -> Simulation<D> {
     let model = Model {
-        grid: Grid::new(cells, dx),
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.0,
         surface_tension: 0.0,
         gravity,
         solids,
         numerics: Numerics { max_step, ..Numerics::default() },
+        ..unit_model(grid, [[Wall::Slip; 2]; D])
     };
     Simulation::new(model, &[])
 }
 
 /// Gravity along the last axis.
 pub fn gravity<const D: usize>() -> Vector<D> {
-    Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 })
+    up(-GRAVITY)
 }
 
 /// Positions of the vertices of a deformable solid; none for a rigid one.
@@ -241,6 +221,16 @@ impl<const D: usize> ContactMonitor<D> {
         } else {
             self.energy.reset();
         }
+    }
+
+    /// Checks that solids never touched: the narrowest gap over the size of a cell.
+    pub fn check_gap(&self, case: &str, quantity: impl Into<String>, dx: f64, aim: f64) -> Check {
+        at_least(case, quantity, self.narrowest_gap / dx, f64::MIN_POSITIVE, aim)
+    }
+
+    /// Checks the largest rise of the energy in an isolated step over the scale.
+    pub fn check_rise(&self, case: &str, quantity: impl Into<String>) -> Check {
+        at_most(case, quantity, self.law().largest, bars(1e-6, 1e-9))
     }
 
     /// The energy law in the isolated steps.

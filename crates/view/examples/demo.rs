@@ -7,7 +7,7 @@ mod common;
 use std::path::Path;
 use std::time::Instant;
 
-use meniscus_view::{PageOptions, RenderOptions, Style, make_page, render};
+use meniscus_view::{ImageSize, PageOptions, RenderOptions, Style, make_page, render};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ["render", dir, rest @ ..] => {
             let mut options = RenderOptions::default();
             if let Some((w, h)) = rest.first().and_then(|s| s.split_once('x')) {
-                options.size = (w.parse()?, h.parse()?);
+                options.size = ImageSize { width: w.parse()?, height: h.parse()? };
             }
             if let Some(frame) = rest.get(1).filter(|f| **f != "all") {
                 let frame = frame.parse()?;

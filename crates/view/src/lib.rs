@@ -19,4 +19,6 @@ pub use crate::measure::{
     TimeWindow, measure,
 };
 pub use crate::page::{PageOptions, PageReport, make_page, write_page};
-pub use crate::render::{Appearance, Camera, Image, RenderOptions, Rendered, Renderer, Style, render};
+pub use crate::render::{
+    Appearance, Camera, Image, ImageSize, RenderOptions, Rendered, Renderer, Style, render,
+};

@@ -154,7 +154,7 @@ fn one(args: &SoakArgs, launch: &Launcher, outcome: Outcome, path: Option<&Path>
         }
         let loaded = Scene::load(&scene, &LoadOptions::default())?;
         let mut each = |words: &str| eprintln!("  {words}");
-        let small = shrink::shrink(launch, (loaded, outcome), &kind, &mut each).map_err(internal)?;
+        let small = shrink::shrink(launch, loaded, outcome, &kind, &mut each).map_err(internal)?;
         print(&format!(
             "still violated without {}:\n{}",
             small.dropped.join(", "),

@@ -17,7 +17,7 @@ const MIN_FILLED_SHARE: f64 = 0.05;
 /// Makes pictures of a run.
 pub fn render(args: &RenderArgs) -> Result {
     let options = RenderOptions {
-        size: args.size,
+        size: args.size.into(),
         camera: args.camera.as_deref().map(camera).transpose()?,
         style: args.style.as_deref().map_or(Ok(Style::default()), style)?,
         shade: args.color.as_deref().map_or(Ok(ColorBy::default()), shade)?,

@@ -1,26 +1,32 @@
 //! Checks with one-sided tolerances, and failed runs.
 
-use crate::Check;
+use crate::case::{Bars, Check};
 use meniscus_sim::StepError;
 
-/// A check of a quantity that should vanish.
-pub fn at_most(case: &str, quantity: &str, value: f64, must: f64, aim: Option<f64>, unit: &str) -> Check {
-    Check::absolute(case, quantity, value, 0.0, must, aim, unit)
+/// A tolerance, and that of the state of the art.
+pub const fn bars(must: f64, aim: f64) -> Bars {
+    Bars { must, aim: Some(aim) }
 }
 
-/// A check of a quantity that should be at least `must`, with the aim `aim`; the error is the shortfall.
-pub fn at_least(case: &str, quantity: &str, value: f64, must: f64, aim: f64) -> Check {
-    let mut check = Check::absolute(case, quantity, value, aim, aim - must, Some(0.0), "");
-    check.error = (aim - value).max(0.0);
-    check.pass = value >= must;
-    check
+/// A tolerance alone.
+pub const fn bar(must: f64) -> Bars {
+    Bars { must, aim: None }
+}
+
+/// A check of a quantity that should vanish.
+pub fn at_most(case: &str, quantity: impl Into<String>, value: f64, bars: Bars) -> Check {
+    Check::absolute(case, quantity, value, 0.0, bars)
+}
+
+/// A check of a quantity that should be at least `must`; the reference is `aim`, and the error is the shortfall from it.
+pub fn at_least(case: &str, quantity: impl Into<String>, value: f64, must: f64, aim: f64) -> Check {
+    let check = Check::absolute(case, quantity, value, aim, bars(aim - must, 0.0));
+    Check { error: (aim - value).max(0.0), pass: value >= must, ..check }
 }
 
 /// The checks, or a failed check if the run failed.
 pub fn checks_or_failure(case: &str, checks: Result<Vec<Check>, StepError>) -> Vec<Check> {
-    checks.unwrap_or_else(|error| {
-        vec![Check::absolute(case, &format!("runs to its end ({error})"), 0.0, 1.0, 0.0, None, "")]
-    })
+    checks.unwrap_or_else(|error| vec![Check::unfinished(case, &format!("runs to its end ({error})"))])
 }
 
 #[cfg(test)]

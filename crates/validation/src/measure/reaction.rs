@@ -40,6 +40,28 @@ impl TimeMean {
     }
 }
 
+/// Momentum, angular momentum about the origin and mass of a solid.
+#[derive(Clone, Copy, Debug)]
+pub struct SolidMotion<const D: usize> {
+    /// The momentum.
+    pub momentum: Vector<D>,
+    /// The angular momentum.
+    pub angular_momentum: Vector<3>,
+    /// The mass.
+    pub mass: f64,
+}
+
+/// The motion of a deformable solid; zero for a rigid one.
+pub fn soft_motion<const D: usize>(sim: &Simulation<D>, solid: usize) -> SolidMotion<D> {
+    let (momentum, angular_momentum) = (Vector::zeros(), Vector::<3>::zeros());
+    let soft = sim.model.solids[solid].elastic().zip(sim.state.solids[solid].soft.as_ref());
+    soft.map_or(SolidMotion { momentum, angular_momentum, mass: 0.0 }, |(elastic, soft)| SolidMotion {
+        momentum: elastic.momentum(&soft.state),
+        angular_momentum: Vector::from(elastic.angular_momentum(&soft.state)),
+        mass: elastic.masses().iter().sum(),
+    })
+}
+
 /// The force of the liquid's pressure and contact lines on a solid in the last step, N/m.
 pub fn liquid_force(sim: &Simulation<2>, solid: usize) -> Vector<2> {
     let now = &sim.state.solids[solid];

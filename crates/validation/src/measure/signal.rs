@@ -1,4 +1,4 @@
-//! Oscillations and growth in time series.
+//! Oscillations and growth in time series, roots.
 
 use meniscus_numerics::fit::{least_squares, solve};
 
@@ -89,6 +89,15 @@ pub fn fit_growth(times: &[f64], values: &[f64], guess: f64) -> Option<f64> {
         if misfit(left) < misfit(right) { high = right } else { low = left }
     }
     (times.len() > 3).then_some(0.5 * (low + high))
+}
+
+/// Halves an interval a number of times; `is_low` tells whether what is sought lies above a point.
+pub fn bisect([mut low, mut high]: [f64; 2], halvings: usize, is_low: impl Fn(f64) -> bool) -> [f64; 2] {
+    for _ in 0..halvings {
+        let middle = 0.5 * (low + high);
+        if is_low(middle) { low = middle } else { high = middle }
+    }
+    [low, high]
 }
 
 /// The order `p` of errors `≈ C Δ^p`: the slope of the logarithms. Each entry is a cell size and an error.

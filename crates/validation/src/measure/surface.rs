@@ -1,9 +1,10 @@
 //! Points of the free surface, and measures of drops from them.
 
+use super::bisect;
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::{CellField, Sampler};
-use meniscus_sim::{Model, Simulation};
+use meniscus_sim::{LineTracker, Model, Simulation};
 
 /// Crossing of the surface with a line between the centres of neighbouring cells.
 #[derive(Clone, Copy, Debug)]
@@ -59,11 +60,7 @@ fn root(v: &[f64; 4]) -> f64 {
             + v[2] * (-(t + 1.0) * t * (t - 2.0) / 2.0)
             + v[3] * ((t + 1.0) * t * (t - 1.0) / 6.0)
     };
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if (cubic(middle) < 0.0) == (v[1] < 0.0) { low = middle } else { high = middle }
-    }
+    let [low, high] = bisect([0.0, 1.0], 50, |t| (cubic(t) < 0.0) == (v[1] < 0.0));
     0.5 * (low + high)
 }
 
@@ -116,6 +113,11 @@ fn sampled_volume_and_centroid<const D: usize>(
         }
     }
     (volume * grid.cell_volume(), moment / volume)
+}
+
+/// A tracker of the contact lines on solids with the mesh that the program gives them.
+pub fn line_tracker<const D: usize>(sim: &Simulation<D>) -> LineTracker<D> {
+    LineTracker::new(&sim.model, &[sim.model.grid.dx / 1.5])
 }
 
 /// A mode of a drop as a function of the direction from its centre: `cos nθ`, θ from the first axis, in 2D and the

@@ -122,16 +122,11 @@ impl Launcher {
             return Ok(outcome);
         }
         let text: String = text.and_then(|t| serde_json::from_str(&t).ok()).unwrap_or_default();
-        self.without_outcome(&text, case, ended)
+        self.without_outcome(&text, case, ended.0, ended.1)
     }
 
     /// The outcome of a process that sent none: it was killed, or ended on its own.
-    fn without_outcome(
-        &self,
-        text: &str,
-        case: u64,
-        (kind, words): (&str, String),
-    ) -> Result<Outcome, String> {
+    fn without_outcome(&self, text: &str, case: u64, kind: &str, words: String) -> Result<Outcome, String> {
         let scene = Scene::from_text("drawn.toml", text, Path::new(""), &LoadOptions::default());
         let scene = scene.map_err(|e| format!("case {case}: {words}; error in its scene: {e}"))?;
         super::rerun::evidence::write_scene(&self.out, &scene.name, text).map_err(|e| e.to_string())?;

@@ -120,7 +120,7 @@ fn guard<const D: usize>(record: &Mutex<Record<D>>, case: &Case, hung: fn(&Outco
             continue;
         };
         if seconds > HANG_CPU_SECONDS {
-            record.add("hang", (seconds, HANG_CPU_SECONDS), "s of processor time in one step".into());
+            record.add("hang", seconds, HANG_CPU_SECONDS, "s of processor time in one step".into());
             let saved = record.save(case);
             saved.err().into_iter().for_each(|error| record.outcome.cut = Some(error));
             record.outcome.seconds = cpu_time::of_this_process();
@@ -131,11 +131,11 @@ fn guard<const D: usize>(record: &Mutex<Record<D>>, case: &Case, hung: fn(&Outco
 
 impl<const D: usize> Record<D> {
     fn add_described(&mut self, kind: &str, words: String) {
-        self.add(kind, (0.0, 0.0), words);
+        self.add(kind, 0.0, 0.0, words);
     }
 
     /// Adds a violation in the current step.
-    fn add(&mut self, kind: &str, (value, bar): (f64, f64), words: String) {
+    fn add(&mut self, kind: &str, value: f64, bar: f64, words: String) {
         let (step, time) = (self.outcome.steps + 1, self.outcome.time);
         self.note(Violation { value, worst: value, bar, ..Violation::described(kind, step, time, words) });
     }
@@ -155,10 +155,10 @@ impl<const D: usize> Record<D> {
         if std::mem::replace(&mut self.written, true) {
             return Ok(());
         }
-        let scene = (&case.scene, case.text.as_str());
+        let Case { scene, text, out, .. } = case;
         let written = match &self.state_before_step {
-            Some((state, tally)) => evidence::write(&case.out, scene, &self.model, (state, tally)),
-            None => evidence::write_scene(&case.out, &case.scene.name, &case.text),
+            Some((state, tally)) => evidence::write(out, scene, text, &self.model, state, tally),
+            None => evidence::write_scene(out, &scene.name, text),
         };
         written.map_err(|e| e.to_string())
     }
@@ -293,7 +293,7 @@ impl<const D: usize> Worker<D> {
         if let Some((step, seconds)) = slowest {
             record.outcome.slowest_step = seconds;
             if seconds > bar {
-                record.add("slow-step", (seconds, bar), format!("s in step {}", step + 1));
+                record.add("slow-step", seconds, bar, format!("s in step {}", step + 1));
             }
         }
         if let Some(law) =
@@ -307,11 +307,7 @@ impl<const D: usize> Worker<D> {
         let estimate = check(&self.case.scene, 1).memory_bytes;
         let bar = MEMORY_LIMITS.0 * estimate + MEMORY_LIMITS.1;
         if let Some(bytes) = record.outcome.memory.map(|m| m as f64).filter(|bytes| *bytes > bar) {
-            record.add(
-                "memory",
-                (bytes, bar),
-                format!("bytes; estimate of `meniscus check`: {estimate:.3e}"),
-            );
+            record.add("memory", bytes, bar, format!("bytes; estimate of `meniscus check`: {estimate:.3e}"));
         }
     }
 }

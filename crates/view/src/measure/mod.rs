@@ -181,7 +181,7 @@ fn measure_frame<const D: usize>(
     let row = frame.time.and_then(|time| time_window::row_at(&over.series, time));
     let counted = row.and_then(|row| over.series.column("drops")?[row]);
     Ok(Measurement {
-        solids: solids::measure(folder, frame, &over, (&drops, &bodies), dx)?,
+        solids: solids::measure(folder, frame, &over, &drops, &bodies, dx)?,
         window: over.window,
         drops_of_solver: counted.map(|n| n as usize),
         scene: folder.name(),

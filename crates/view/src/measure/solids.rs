@@ -86,7 +86,8 @@ pub(super) fn measure<const D: usize>(
     folder: &RunFolder,
     frame: &Frame,
     over: &Averaging,
-    (drops, bodies): (&[Component<D>], &[SolidBoundary<D>]),
+    drops: &[Component<D>],
+    bodies: &[SolidBoundary<D>],
     dx: f64,
 ) -> Result<Vec<SolidMeasure>> {
     let solids: Vec<&SolidBoundary<D>> = bodies.iter().filter(|b| !b.is_wall).collect();

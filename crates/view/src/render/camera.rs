@@ -1,5 +1,6 @@
 //! The camera: its position and the rays through points of the picture.
 
+use super::image::ImageSize;
 use super::tracer::bvh::Ray;
 use crate::folder::{Bounds, V3};
 
@@ -38,12 +39,12 @@ pub(crate) struct View {
 
 impl View {
     /// A view of the bounds `visible`. All lengths are in picture coordinates, in which 1 is `unit` metres.
-    pub(crate) fn new(camera: &Camera, visible: &Bounds, unit: f64, size: (u32, u32)) -> Self {
+    pub(crate) fn new(camera: &Camera, visible: &Bounds, unit: f64, size: ImageSize) -> Self {
         let (az, el) = (camera.azimuth.to_radians(), camera.elevation.clamp(-89.0, 89.0).to_radians());
         let forward = V3::new(-az.sin() * el.cos(), az.cos() * el.cos(), -el.sin());
         let right = V3::new(az.cos(), az.sin(), 0.0);
         let up = right.cross(&forward);
-        let size = [f64::from(size.0.max(1)), f64::from(size.1.max(1))];
+        let size = [size.width, size.height].map(|n| f64::from(n.max(1)));
         let half = [HALF_FOV_TANGENT * size[0] / size[1], HALF_FOV_TANGENT];
         let mut target = visible.center();
         let fit = |target: &V3| {

@@ -27,9 +27,30 @@ pub struct Image {
     pub rgb: Vec<u8>,
 }
 
+/// Size of a picture, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageSize {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl From<(u32, u32)> for ImageSize {
+    fn from((width, height): (u32, u32)) -> Self {
+        Self { width, height }
+    }
+}
+
+impl From<ImageSize> for [f64; 2] {
+    fn from(size: ImageSize) -> Self {
+        [size.width, size.height].map(f64::from)
+    }
+}
+
 impl Canvas {
-    pub(crate) fn new(size: (u32, u32), color: V3) -> Self {
-        let (width, height) = (size.0.max(1) as usize, size.1.max(1) as usize);
+    pub(crate) fn new(size: ImageSize, color: V3) -> Self {
+        let [width, height] = [size.width, size.height].map(|n| n.max(1) as usize);
         Self { width, height, pixels: vec![color; width * height] }
     }
 

@@ -14,7 +14,7 @@ mod tracer;
 use std::path::{Path, PathBuf};
 
 pub use camera::Camera;
-pub use image::Image;
+pub use image::{Image, ImageSize};
 pub use options::{Appearance, RenderOptions, Rendered, Style};
 
 use crate::error::{Result, ViewError};

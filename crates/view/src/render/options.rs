@@ -2,6 +2,7 @@
 
 use crate::color_map::ColorBy;
 use crate::render::camera::Camera;
+use crate::render::image::ImageSize;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -41,8 +42,8 @@ impl Default for Appearance {
 /// Options of rendering.
 #[derive(Clone, Debug)]
 pub struct RenderOptions {
-    /// Width and height in pixels.
-    pub size: (u32, u32),
+    /// Size of the pictures.
+    pub size: ImageSize,
     /// The camera, in 3D only; `None` looks slightly from above and shows everything.
     pub camera: Option<Camera>,
     /// Look of the liquid.
@@ -68,7 +69,7 @@ pub struct RenderOptions {
 impl Default for RenderOptions {
     fn default() -> Self {
         Self {
-            size: (640, 360),
+            size: ImageSize { width: 640, height: 360 },
             camera: None,
             style: Style::Glass,
             appearance: Appearance::default(),

@@ -5,7 +5,7 @@ use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 
 use super::coverage::coverage;
-use super::image::{Canvas, Image};
+use super::image::{Canvas, Image, ImageSize};
 use super::legend::ColorMapping;
 use super::setup::round_length;
 use super::{Appearance, label};
@@ -25,7 +25,7 @@ pub(crate) struct Viewport {
     center: [f64; 2],
     /// Pixels per metre.
     scale: f64,
-    size: (u32, u32),
+    size: ImageSize,
     domain: Option<[f64; 2]>,
     /// Cell size, m, if known.
     dx: Option<f64>,
@@ -41,9 +41,9 @@ fn encode_srgb(c: &V3) -> [u8; 3] {
 
 impl Viewport {
     /// A window that shows the domain, or only the bounds `seen` if these are much smaller.
-    pub(crate) fn new(folder: &RunFolder, seen: &Bounds, size: (u32, u32)) -> Self {
+    pub(crate) fn new(folder: &RunFolder, seen: &Bounds, size: ImageSize) -> Self {
         let domain = folder.domain.map(|d| [d[0], d[1]]);
-        let (w, h) = (f64::from(size.0), f64::from(size.1));
+        let [w, h] = size.into();
         let border = 0.12 * w.min(h);
         let scale = |lower: &V3, upper: &V3| {
             let fit =
@@ -66,15 +66,13 @@ impl Viewport {
 
     /// Width and height of the picture in pixels.
     pub(crate) fn size(&self) -> [f64; 2] {
-        [f64::from(self.size.0), f64::from(self.size.1)]
+        self.size.into()
     }
 
     /// Position of a point in the picture, in pixels.
     pub(crate) fn place(&self, p: &[f64]) -> [f64; 2] {
-        [
-            0.5 * f64::from(self.size.0) + (p[0] - self.center[0]) * self.scale,
-            0.5 * f64::from(self.size.1) - (p[1] - self.center[1]) * self.scale,
-        ]
+        let [w, h] = self.size();
+        [0.5 * w + (p[0] - self.center[0]) * self.scale, 0.5 * h - (p[1] - self.center[1]) * self.scale]
     }
 
     fn segments(&self, mesh: &PlyMesh) -> Vec<[[f64; 2]; 2]> {
@@ -90,7 +88,7 @@ pub(crate) fn picture(
     shading: Option<&ColorMapping>,
 ) -> Image {
     let mut canvas = Canvas::new(window.size, linear_from_srgb(set.background.unwrap_or(0x00e9_edf1)));
-    let thick = (f64::from(window.size.1) / 240.0).max(1.0);
+    let thick = (f64::from(window.size.height) / 240.0).max(1.0);
     let air = linear_from_srgb(set.background.unwrap_or(0x00fb_fcfd));
     if let Some(d) = window.domain.filter(|_| set.domain) {
         let p = [[0.0, 0.0], [d[0], 0.0], [d[0], d[1]], [0.0, d[1]]].map(|p| window.place(&p));
@@ -173,7 +171,7 @@ fn fill(canvas: &mut Canvas, outline: &[[[f64; 2]; 2]], top: &V3, bottom: &V3) {
 
 /// Draws an outline. Overlapping segments are combined by their maximum, so that joints show no dots.
 fn strokes(canvas: &mut Canvas, outline: &[[[f64; 2]; 2]], width: f64, color: &V3) {
-    let mut mask = Canvas::new((canvas.width as u32, canvas.height as u32), V3::zeros());
+    let mut mask = Canvas { pixels: vec![V3::zeros(); canvas.pixels.len()], ..*canvas };
     for [a, b] in outline {
         mask.cover(*a, *b, width);
     }
@@ -184,7 +182,7 @@ fn strokes(canvas: &mut Canvas, outline: &[[[f64; 2]; 2]], width: f64, color: &V
 
 /// Draws the scale bar and the time.
 fn labels(window: &Viewport, frame: &Frame, canvas: &mut Canvas) {
-    let (w, h) = (f64::from(window.size.0), f64::from(window.size.1));
+    let [w, h] = window.size();
     let (ink, height) = (linear_from_srgb(0x0033_3d47), (h / 28.0).max(8.0));
     let length = round_length(0.22 * w / window.scale);
     let (right, low) = (w - 1.2 * height, h - 0.9 * height);

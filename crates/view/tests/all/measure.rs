@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::common::{cap, cuboid, icosphere};
+use crate::common::{cap, cuboid, icosphere, ring_faces};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_view::{ContactMeasure, FitShape, MeasureOptions, Measurement, ViewError, measure};
 
@@ -192,16 +192,7 @@ fn cap_on_ball(top: f64, r: f64, low: f64, s: f64) -> PlyMesh {
         }
     }
     push(low, s, 0.0, 0.0, 1.0);
-    let at = |ring: u32, k: u32| 1 + (ring - 1) * around + k % around;
-    let last = rings + under - 1;
-    for k in 0..around {
-        mesh.faces.push([0, at(1, k), at(1, k + 1)]);
-        for ring in 1..last {
-            mesh.faces.push([at(ring, k), at(ring + 1, k), at(ring + 1, k + 1)]);
-            mesh.faces.push([at(ring, k), at(ring + 1, k + 1), at(ring, k + 1)]);
-        }
-        mesh.faces.push([at(last, k), 1 + last * around, at(last, k + 1)]);
-    }
+    mesh.faces = ring_faces(rings + under - 1, around);
     mesh.scalars.insert("kind".into(), kinds);
     mesh
 }

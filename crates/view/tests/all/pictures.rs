@@ -15,7 +15,7 @@ fn folder(name: &str, sample: Sample, frames: u32) -> PathBuf {
 }
 
 fn small() -> RenderOptions {
-    RenderOptions { size: (96, 64), film: false, ..RenderOptions::default() }
+    RenderOptions { size: (96, 64).into(), film: false, ..RenderOptions::default() }
 }
 
 #[test]
@@ -36,7 +36,7 @@ fn pictures_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn the_drop_stands_out_and_no_pixel_is_black() {
     let dir = folder("visible", Sample::Ball, 1);
-    let options = RenderOptions { size: (160, 90), ..small() };
+    let options = RenderOptions { size: (160, 90).into(), ..small() };
     let image = Renderer::open(&dir, &options).unwrap().image(0).unwrap();
     let pixel = |x: usize, y: usize| &image.rgb[3 * (y * 160 + x)..][..3];
     let bluish =
@@ -72,7 +72,7 @@ fn pictures_of_an_earlier_call_do_not_stay() {
     let dir = folder("stale", Sample::Flat, 4);
     assert_eq!(render(&dir, &small(), |_, _| ()).unwrap().images.len(), 4);
     std::fs::write(dir.join("render/mine.png"), "").unwrap();
-    let fewer = RenderOptions { every: 3, size: (48, 32), ..small() };
+    let fewer = RenderOptions { every: 3, size: (48, 32).into(), ..small() };
     let made = render(&dir, &fewer, |_, _| ()).unwrap();
     assert_eq!((made.images.len(), made.frames, made.removed), (2, 4, 2));
     let left = |to: &str| {
@@ -128,7 +128,7 @@ fn solids_lie_over_the_liquid_that_wets_them() {
         mesh.scalars.insert("kind".into(), kinds.to_vec());
         mesh.save(&dir.join(format!("frames/{name}_0000.ply"))).unwrap();
     }
-    let mut options = RenderOptions { size: (640, 480), ..small() };
+    let mut options = RenderOptions { size: (640, 480).into(), ..small() };
     options.appearance.line = false;
     let image = Renderer::open(&dir, &options).unwrap().image(0).unwrap();
     // In the middle of the picture no air is seen between the last of the liquid and the first of the table.
@@ -145,7 +145,7 @@ fn the_liquid_in_the_plane_covers_its_area() {
     std::fs::remove_file(dir.join("frames/solid_table_0000.ply")).unwrap();
     std::fs::remove_file(dir.join("frames/contact_line_0000.ply")).unwrap();
     common::blob([0.05, 0.03], 0.02, 0.0, 0.0, 600).save(&dir.join("frames/liquid_0000.ply")).unwrap();
-    let options = RenderOptions { size: (640, 480), ..small() };
+    let options = RenderOptions { size: (640, 480).into(), ..small() };
     let image = Renderer::open(&dir, &options).unwrap().image(0).unwrap();
     // The domain is 0.1 m wide and fills the picture but for a border of 12 % of its height on either side.
     let scale = (640.0 - 2.0 * 0.12 * 480.0) / 0.1;
@@ -165,7 +165,7 @@ fn red(image: &meniscus_view::Image) -> usize {
 fn the_contact_line_is_red_where_it_is_stored() {
     for sample in [Sample::Drop, Sample::Flat] {
         let dir = folder("line", sample, 1);
-        let options = RenderOptions { size: (240, 160), ..small() };
+        let options = RenderOptions { size: (240, 160).into(), ..small() };
         let seen = red(&Renderer::open(&dir, &options).unwrap().image(0).unwrap());
         assert!(seen > 15, "{sample:?}: {seen}");
         std::fs::remove_file(dir.join("frames/contact_line_0000.ply")).unwrap();
@@ -176,7 +176,7 @@ fn the_contact_line_is_red_where_it_is_stored() {
 
 #[test]
 fn a_huge_plate_does_not_make_the_drop_tiny() {
-    let options = RenderOptions { size: (240, 160), ..small() };
+    let options = RenderOptions { size: (240, 160).into(), ..small() };
     let dir = folder("huge-3d", Sample::Drop, 1);
     let before = red(&Renderer::open(&dir, &options).unwrap().image(0).unwrap());
     let huge = common::cuboid([-0.95, -0.95, 0.008], [1.05, 1.05, 0.012], 40);

@@ -1,10 +1,9 @@
 //! Elastic beams without liquid, against the theories of thin and of thick beams.
 
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
+use crate::soft::{SoftMaterial, failure_in_step};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{
-    Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, lowest_modes,
-};
+use meniscus_elastic::{Anchor, Elastic, ElasticError, ElementOrder, lowest_modes};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::StepError;
@@ -41,32 +40,24 @@ const STEP: f64 = 1e-3;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let layers: &[usize] = if mode == Mode::Quick { &[2] } else { &[2, 4] };
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
+    let failed = failure_in_step(STEP);
     let mut checks = Vec::new();
     for &layers in layers {
         let what = |text: &str| format!("{text}, {layers} layers");
-        let modes = lowest_modes(&cantilever(layers, 0.0).map_err(failed)?, 3).map_err(failed)?;
+        let modes = lowest_modes(&cantilever(layers, 0.0).map_err(&failed)?, 3).map_err(&failed)?;
         for (k, (mode, told)) in modes.iter().zip(frequencies()).enumerate() {
             let text = what(&format!("frequency {}", k + 1));
-            checks.push(Check::relative(NAME, &text, mode.frequency, told, 0.04, Some(0.01), "rad/s"));
+            checks.push(Check::relative(NAME, text, mode.frequency, told, bars(0.04, 0.01)).in_unit("rad/s"));
         }
-        let body = cantilever(layers, 0.7).map_err(failed)?;
+        let body = cantilever(layers, 0.7).map_err(&failed)?;
         let small = 1e-3;
-        let (drop, _) = tip_deflection(&body, small).map_err(failed)?;
-        checks.push(Check::relative(
-            NAME,
-            &what("small deflection"),
-            drop,
-            small / 8.0,
-            0.04,
-            Some(0.01),
-            "",
-        ));
+        let (drop, _) = tip_deflection(&body, small).map_err(&failed)?;
+        checks.push(Check::relative(NAME, what("small deflection"), drop, small / 8.0, bars(0.04, 0.01)));
         for (load, drop, along) in ELASTICA {
-            let (d, a) = tip_deflection(&body, load).map_err(failed)?;
+            let (d, a) = tip_deflection(&body, load).map_err(&failed)?;
             let text = |what_of: &str| what(&format!("{what_of}, q L³/B = {load}"));
-            checks.push(Check::relative(NAME, &text("tip's drop / L"), d, drop, 0.04, Some(0.02), ""));
-            checks.push(Check::relative(NAME, &text("tip's place / L"), a, along, 0.04, Some(0.02), ""));
+            checks.push(Check::relative(NAME, text("tip's drop / L"), d, drop, bars(0.04, 0.02)));
+            checks.push(Check::relative(NAME, text("tip's place / L"), a, along, bars(0.04, 0.02)));
         }
     }
     Ok(checks)
@@ -85,7 +76,7 @@ fn frequencies() -> [f64; 3] {
 }
 
 /// A beam along the first axis, clamped at 0.
-fn cantilever(layers: usize, damping_ratio: f64) -> Result<Elastic<2>, ElasticError> {
+fn cantilever(layers: usize, damping: f64) -> Result<Elastic<2>, ElasticError> {
     let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICKNESS);
     let mesh = VolumeMesh::of_box(
         &half,
@@ -96,12 +87,8 @@ fn cantilever(layers: usize, damping_ratio: f64) -> Result<Elastic<2>, ElasticEr
     )
     .unwrap_or_default();
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: YOUNG,
-        poisson_ratio: POISSON,
-        order: ElementOrder::Quadratic,
-    };
-    Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors })
+    let material = SoftMaterial { young: YOUNG, poisson: POISSON, density: DENSITY, damping };
+    material.elastic(mesh, anchors)
 }
 
 /// Drop and axial position of the middle of the tip over the length, at rest under a load `q L³/B`.

@@ -3,15 +3,17 @@
 //! There is no liquid. The method guarantees the invariants under any load: surfaces never cross (IPC), elements never invert, and
 //! without prescribed motion the energy rises in no step.
 
-use crate::measure::{at_least, at_most, checks_or_failure};
-use crate::setup::run_to;
+use crate::measure::{at_least, at_most, bar, bars, checks_or_failure};
+use crate::setup::{run_to, up};
+use crate::soft::SoftMaterial;
 use crate::solids_only::{
-    ContactMonitor, SoftMaterial, cube_mesh, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
+    ContactMonitor, cube_mesh, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
     rigid_half_space, simulation_without_liquid, soft, vertices,
 };
 use crate::{Case, Check, Mode};
 use meniscus_elastic::{Anchor, AnchorMotion};
 use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{Motion, Simulation, Solid, StepError, Wall};
@@ -57,13 +59,13 @@ fn labelled_checks(part: &str, checks: Result<Vec<Check>, StepError>) -> Vec<Che
     checks_or_failure(NAME, checks).into_iter().map(of).collect()
 }
 
-fn material() -> SoftMaterial {
-    SoftMaterial { young: 1000.0, poisson: 0.4, density: 2.0, damping: 0.1, friction: 0.3 }
-}
+/// The solids' material.
+const MATERIAL: SoftMaterial = SoftMaterial { young: 1000.0, poisson: 0.4, density: 2.0, damping: 0.1 };
+const FRICTION: f64 = 0.3;
 
 /// A simulation without domain walls.
 fn without_walls<const D: usize>(solids: Vec<Solid<D>>) -> Simulation<D> {
-    let mut simulation = simulation_without_liquid(([8; D], DX), solids, Vector::zeros(), STEP);
+    let mut simulation = simulation_without_liquid(Grid::new([8; D], DX), solids, Vector::zeros(), STEP);
     simulation.model.walls = [[Wall::Open; 2]; D];
     Simulation::resume(simulation.model, simulation.state)
 }
@@ -84,8 +86,8 @@ fn run_monitored<const D: usize>(
     })?;
     let law = watch.law().largest / max_elastic_energy;
     Ok(vec![
-        at_least(NAME, "narrowest gap / cell", watch.narrowest_gap / DX, f64::MIN_POSITIVE, 1e-3),
-        at_most(NAME, "deepest overlap / cell", watch.deepest_overlap / DX, 0.0, None, ""),
+        watch.check_gap(NAME, "narrowest gap / cell", DX, 1e-3),
+        at_most(NAME, "deepest overlap / cell", watch.deepest_overlap / DX, bar(0.0)),
         at_least(
             NAME,
             "least volume of an element over that at rest",
@@ -93,18 +95,17 @@ fn run_monitored<const D: usize>(
             f64::MIN_POSITIVE,
             1e-2,
         ),
-        at_most(NAME, "largest rise of the energy in a step / elastic", law, 1e-6, Some(1e-9), ""),
+        at_most(NAME, "largest rise of the energy in a step / elastic", law, bars(1e-6, 1e-9)),
     ])
 }
 
-/// A vector along the last axis.
-fn up<const D: usize>(y: f64) -> Vector<D> {
-    Vector::from_fn(|a, _| if a + 1 == D { y } else { 0.0 })
-}
-
 fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError> {
-    let ball =
-        soft(mapped(quadratic_cube_mesh([n; D]), |x| cube_to_ball(x) * BALL_RADIUS), material(), Vec::new())?;
+    let ball = soft(
+        mapped(quadratic_cube_mesh([n; D]), |x| cube_to_ball(x) * BALL_RADIUS),
+        MATERIAL,
+        FRICTION,
+        Vec::new(),
+    )?;
     let mut solids = vec![ball];
     // The plates start a fifth of a cell away and compress the ball to a fifth of its height.
     let (gap, way) = (0.2 * DX, 0.8 * BALL_RADIUS + 0.2 * DX);
@@ -129,7 +130,7 @@ fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError> {
         places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min)
     };
     let again = height(vertices(&simulation, 0)) / (2.0 * BALL_RADIUS);
-    checks.push(Check::relative(NAME, "height after it was let go", again, 1.0, 0.03, Some(0.01), ""));
+    checks.push(Check::relative(NAME, "height after it was let go", again, 1.0, bars(0.03, 0.01)));
     Ok(checks)
 }
 
@@ -153,7 +154,7 @@ fn slit<const D: usize>(n: [usize; D]) -> Result<Vec<Check>, StepError> {
     let mut pulled = Anchor::within(&mesh, |x: &Vector<D>| x[D - 1] < head);
     let way = LONG + 1.0;
     pulled.motion = AnchorMotion::Keyframes(vec![(0.0, up(0.0)), (PRESCRIBED_DURATION, up(-way))]);
-    let strip = soft(mesh, material(), vec![pulled])?;
+    let strip = soft(mesh, MATERIAL, FRICTION, vec![pulled])?;
     let mut solids = vec![strip];
     for side in [-1.0, 1.0] {
         let center = Vector::from_fn(|a, _| if a == 0 { side * (0.5 * SLIT + POST) } else { 0.0 });
@@ -173,9 +174,7 @@ fn slit<const D: usize>(n: [usize; D]) -> Result<Vec<Check>, StepError> {
         NAME,
         "upper end over the middle of the slit: it is through",
         top.max(0.0),
-        0.0,
-        None,
-        "",
+        bar(0.0),
     ));
     Ok(checks)
 }
@@ -201,7 +200,7 @@ fn twist() -> Result<Vec<Check>, StepError> {
         own.map(|v| Anchor { vertices: vec![v as u32], motion: motion(v) }).collect::<Vec<_>>()
     };
     let anchors = [end(-1.0), end(1.0)].concat();
-    let mut simulation = without_walls(vec![soft(mesh.clone(), material(), anchors)?]);
+    let mut simulation = without_walls(vec![soft(mesh.clone(), MATERIAL, FRICTION, anchors)?]);
     run_monitored(&mut simulation, PRESCRIBED_DURATION + HOLD_DURATION, |t| t > PRESCRIBED_DURATION)
 }
 
@@ -250,7 +249,7 @@ fn chain() -> Result<Vec<Check>, StepError> {
             (PRESCRIBED_DURATION, Vector::<3>::new(0.35 * side, 0.0, 0.0)),
         ]);
         let anchors = if k == 1 { Vec::new() } else { vec![outer] };
-        solids.push(soft(mesh, material(), anchors)?);
+        solids.push(soft(mesh, MATERIAL, FRICTION, anchors)?);
     }
     run_monitored(&mut without_walls(solids), PRESCRIBED_DURATION + HOLD_DURATION, |t| {
         t > PRESCRIBED_DURATION

@@ -9,14 +9,16 @@
 //! The barrier separates ball and plates by a pressure-dependent part of its activation distance, like a soft layer. That distance is a
 //! quarter of a cell, which is made small; the flattening is measured on the ball itself.
 
-use crate::measure::{at_least, checks_or_failure};
-use crate::setup::run_to;
+use crate::measure::{bars, checks_or_failure};
+use crate::setup::{run_to, up};
+use crate::soft::SoftMaterial;
 use crate::solids_only::{
-    ContactMonitor, SoftMaterial, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh,
-    rigid_half_space, simulation_without_liquid, soft, vertex_area_vectors, vertices,
+    ContactMonitor, cube_to_ball, mapped, prescribed_motion, quadratic_cube_mesh, rigid_half_space,
+    simulation_without_liquid, soft, vertex_area_vectors, vertices,
 };
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
 use meniscus_sim::{Simulation, StepError, Wall};
 use std::f64::consts::PI;
 
@@ -57,23 +59,26 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 /// The ball between its plates, each of which closes in by `way`.
 fn ball_between_plates<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Result<Simulation<D>, StepError> {
-    let material = SoftMaterial { young: YOUNG, poisson: POISSON, density: 2.0, damping: 1.0, friction: 0.0 };
+    let material = SoftMaterial { young: YOUNG, poisson: POISSON, density: 2.0, damping: 1.0 };
     let graded = |x: &Vector<D>| {
         let across = x.map(|c| c.abs().powf(GRADING_EXPONENT).copysign(c));
         let along = x.map(|c| (1.0 - (1.0 - c.abs()).powf(GRADING_EXPONENT)).copysign(c));
         Vector::from_fn(|a, _| if a + 1 == D { along[a] } else { across[a] })
     };
-    let ball =
-        soft(mapped(quadratic_cube_mesh(n), |x| cube_to_ball(&graded(x)) * RADIUS), material, Vec::new())?;
+    let ball = soft(
+        mapped(quadratic_cube_mesh(n), |x| cube_to_ball(&graded(x)) * RADIUS),
+        material,
+        0.0,
+        Vec::new(),
+    )?;
     let mut solids = vec![ball];
     for side in [-1.0, 1.0] {
-        let up = |y: f64| Vector::<D>::from_fn(|a, _| if a + 1 == D { y } else { 0.0 });
         let motion = prescribed_motion(vec![(0.0, up(0.0)), (PHASE_DURATIONS[0], up(-side * way))]);
         let mut plate = rigid_half_space(side * (RADIUS + 0.25 * dx), motion);
         plate.friction = 0.0;
         solids.push(plate);
     }
-    let mut simulation = simulation_without_liquid(([8; D], dx), solids, Vector::zeros(), STEP);
+    let mut simulation = simulation_without_liquid(Grid::new([8; D], dx), solids, Vector::zeros(), STEP);
     // Open sides, so that the domain does not interfere; the grid needs only a few cells.
     simulation.model.walls = [[Wall::Open; 2]; D];
     Ok(Simulation::resume(simulation.model, simulation.state))
@@ -110,24 +115,16 @@ fn squeeze<const D: usize>(n: [usize; D], dx: f64, wide: f64) -> Result<Vec<Chec
     let cells = RADIUS / dx;
     let what = |text: &str| format!("{text}, {D}D, a = {wide} R, {cells} cells/R");
     let mut checks = vec![
-        Check::relative(NAME, &what("half-width"), found.half_width, width, 0.03, Some(0.01), ""),
-        Check::relative(
-            NAME,
-            &what("pressure in the middle"),
-            found.peak_pressure,
-            peak,
-            0.03,
-            Some(0.01),
-            "",
-        ),
-        Check::relative(NAME, &what("flattening"), found.flattening, flat, 0.03, Some(0.01), ""),
-        at_least(NAME, &what("narrowest gap / cell"), watch.narrowest_gap / dx, f64::MIN_POSITIVE, 0.02),
+        Check::relative(NAME, what("half-width"), found.half_width, width, bars(0.03, 0.01)),
+        Check::relative(NAME, what("pressure in the middle"), found.peak_pressure, peak, bars(0.03, 0.01)),
+        Check::relative(NAME, what("flattening"), found.flattening, flat, bars(0.03, 0.01)),
+        watch.check_gap(NAME, what("narrowest gap / cell"), dx, 0.02),
     ];
     if D == 3 {
         let hertz = 4.0 / 3.0 * STIFFNESS * RADIUS.sqrt() * found.flattening.powf(1.5);
         let told = hertz_flattening_ratio::<D>(width / RADIUS).powf(-1.5);
         let text = what("force / (4/3 E* √R δ^1.5)");
-        checks.push(Check::relative(NAME, &text, force / hertz, told, 0.03, Some(0.01), ""));
+        checks.push(Check::relative(NAME, text, force / hertz, told, bars(0.03, 0.01)));
     }
     Ok(checks)
 }
@@ -156,12 +153,8 @@ fn measure_contact<const D: usize>(simulation: &Simulation<D>) -> Option<Pressur
         share += areas[*v][D - 1] * (1.0 - across(*v) / (half_width * half_width)).sqrt();
     }
     let high = upper.iter().map(|v| now[*v][D - 1]).fold(0.0, f64::max);
-    let pole = |up: f64| {
-        let of = |v: &usize| {
-            (elastic.rest_mesh().positions[*v]
-                - Vector::<D>::from_fn(|a, _| if a + 1 == D { up } else { 0.0 }))
-            .norm()
-        };
+    let pole = |height: f64| {
+        let of = |v: &usize| (elastic.rest_mesh().positions[*v] - up::<D>(height)).norm();
         (0..now.len()).min_by(|a, b| of(a).total_cmp(&of(b))).map_or(high, |v| now[v][D - 1])
     };
     let flattening = RADIUS - 0.5 * (pole(RADIUS) - pole(-RADIUS));

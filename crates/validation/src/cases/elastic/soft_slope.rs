@@ -1,14 +1,16 @@
 //! Deformable blocks on slopes, with friction.
 
-use crate::measure::{at_least, at_most, checks_or_failure};
-use crate::setup::run_to;
+use crate::measure::{at_most, bars, checks_or_failure};
+use crate::setup::{run_to, up};
+use crate::soft::SoftMaterial;
 use crate::solids_only::{
-    ContactMonitor, GRAVITY, SoftMaterial, box_mesh, mapped, point_at, quadratic_cube_mesh,
+    ContactMonitor, GRAVITY, box_mesh, gravity, mapped, point_at, quadratic_cube_mesh,
     simulation_without_liquid, soft,
 };
 use crate::{Case, Check, Mode};
 use meniscus_elastic::Anchor;
 use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{Motion, Simulation, Solid, StepError};
 
@@ -56,12 +58,15 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// A simulation, its sliding solid, and the direction down the slope.
-type Slope<const D: usize> = (Simulation<D>, Vector<D>);
-
-fn material(friction: f64) -> SoftMaterial {
-    SoftMaterial { young: 1e4, poisson: 0.3, density: 2.0, damping: 0.5, friction }
+/// A slope as the first solid, and a block on it as the second.
+struct Slope<const D: usize> {
+    simulation: Simulation<D>,
+    /// The direction down the slope.
+    along: Vector<D>,
 }
+
+/// The solids' material.
+const MATERIAL: SoftMaterial = SoftMaterial { young: 1e4, poisson: 0.3, density: 2.0, damping: 0.5 };
 
 fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
     let turned = |x: f64, y: f64| {
@@ -83,41 +88,31 @@ fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
         }
         middle + y
     };
-    let block = soft(mapped(quadratic_cube_mesh([4; D]), place), material(friction), Vec::new())?;
-    let gravity = Vector::from_fn(|a, _| if a + 1 == D { -GRAVITY } else { 0.0 });
-    Ok((simulation_without_liquid(([CELLS; D], DX), vec![floor, block], gravity, STEP), along))
+    let block = soft(mapped(quadratic_cube_mesh([4; D]), place), MATERIAL, friction, Vec::new())?;
+    let simulation =
+        simulation_without_liquid(Grid::new([CELLS; D], DX), vec![floor, block], gravity(), STEP);
+    Ok(Slope { simulation, along })
 }
 
 fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
     let high = 0.1;
     let half = Vector::<D>::from_fn(|a, _| [0.49, 0.2, 0.2][if a + 1 == D { 2 } else { a }]);
-    let half =
-        half.map(|h| h.min(0.49)) - Vector::from_fn(|a, _| if a + 1 == D { 0.2 - 0.5 * high } else { 0.0 });
-    let cells: [usize; D] = std::array::from_fn(|a| {
-        if a == 0 {
-            24
-        } else if a + 1 == D {
-            4
-        } else {
-            10
-        }
-    });
+    let half = half.map(|h| h.min(0.49)) - up(0.2 - 0.5 * high);
+    let cells: [usize; D] = std::array::from_fn(|a| [24, 10, 4][if a + 1 == D { 2 } else { a }]);
     let mesh = box_mesh(cells, point_at::<D>(0.5, 0.1 + 0.5 * high), half);
     let held = Anchor::within(&mesh, |x: &Vector<D>| x[D - 1] < 0.1 + 1e-9);
-    let slab = soft(mesh, material(friction), vec![held])?;
+    let slab = soft(mesh, MATERIAL, friction, vec![held])?;
     let center = point_at::<D>(0.2, 0.1 + high + HALF_SIZE + 0.2 * DX);
-    let body = soft(box_mesh([4; D], center, Vector::repeat(HALF_SIZE)), material(friction), Vec::new())?;
+    let body = soft(box_mesh([4; D], center, Vector::repeat(HALF_SIZE)), MATERIAL, friction, Vec::new())?;
     let mut gravity = Vector::<D>::zeros();
     (gravity[0], gravity[D - 1]) = (GRAVITY * SLOPE_ANGLE.sin(), -GRAVITY * SLOPE_ANGLE.cos());
     let along = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
-    Ok((simulation_without_liquid(([CELLS; D], DX), vec![slab, body], gravity, STEP), along))
+    let simulation = simulation_without_liquid(Grid::new([CELLS; D], DX), vec![slab, body], gravity, STEP);
+    Ok(Slope { simulation, along })
 }
 
-fn check_slope<const D: usize>(
-    slope: &str,
-    (mut simulation, along): Slope<D>,
-    friction: f64,
-) -> Result<Vec<Check>, StepError> {
+fn check_slope<const D: usize>(kind: &str, slope: Slope<D>, friction: f64) -> Result<Vec<Check>, StepError> {
+    let Slope { mut simulation, along } = slope;
     let place = |s: &Simulation<D>| s.state.solids[1].center.dot(&along);
     let scale = simulation.model.solids[1].mass_properties.mass * GRAVITY * 2.0 * HALF_SIZE;
     let free = GRAVITY * SLOPE_ANGLE.sin();
@@ -131,34 +126,20 @@ fn check_slope<const D: usize>(
             samples.push((s.state.time, place(s)));
         }
     })?;
-    let what = |text: &str| format!("{text}, {slope} slope, μ = {friction}, {D}D");
+    let what = |text: &str| format!("{text}, {kind} slope, μ = {friction}, {D}D");
     let mut checks = Vec::new();
     if acceleration_expected > 0.0 {
         let found = acceleration(&samples) / free;
         let text = what("acceleration / g sin α");
-        checks.push(Check::absolute(NAME, &text, found, acceleration_expected / free, 0.01, Some(2e-3), ""));
+        checks.push(Check::absolute(NAME, text, found, acceleration_expected / free, bars(0.01, 2e-3)));
     } else {
         let displacement =
             samples.last().zip(samples.first()).map_or(f64::NAN, |(end, start)| end.1 - start.1);
         let creep = displacement / (to - from) / (2.0 * HALF_SIZE);
-        checks.push(at_most(NAME, &what("it stays: creep in a second / side"), creep, 1e-3, Some(1e-5), ""));
+        checks.push(at_most(NAME, what("it stays: creep in a second / side"), creep, bars(1e-3, 1e-5)));
     }
-    checks.push(at_least(
-        NAME,
-        &what("narrowest gap / cell"),
-        watch.narrowest_gap / DX,
-        f64::MIN_POSITIVE,
-        0.02,
-    ));
-    let law = watch.law().largest;
-    checks.push(at_most(
-        NAME,
-        &what("largest rise of the energy in a step / m g side"),
-        law,
-        1e-6,
-        Some(1e-9),
-        "",
-    ));
+    checks.push(watch.check_gap(NAME, what("narrowest gap / cell"), DX, 0.02));
+    checks.push(watch.check_rise(NAME, what("largest rise of the energy in a step / m g side")));
     Ok(checks)
 }
 

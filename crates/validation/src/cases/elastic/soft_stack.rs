@@ -1,13 +1,15 @@
 //! A stack of five deformable blocks.
 
-use crate::measure::{at_least, at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::run_to;
+use crate::soft::SoftMaterial;
 use crate::solids_only::{
-    ContactMonitor, GRAVITY, SoftMaterial, box_mesh, gravity, point_at, simulation_without_liquid, soft,
+    ContactMonitor, GRAVITY, box_mesh, gravity, point_at, simulation_without_liquid, soft,
     vertex_area_vectors, vertices,
 };
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
 use meniscus_sim::{Simulation, StepError};
 
 /// The case.
@@ -44,14 +46,14 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 fn stack<const D: usize>(n: [usize; D], poisson: f64) -> Result<Simulation<D>, StepError> {
-    let material = SoftMaterial { young: YOUNG, poisson, density: DENSITY, damping: 0.5, friction: 0.3 };
+    let material = SoftMaterial { young: YOUNG, poisson, density: DENSITY, damping: 0.5 };
     let half = Vector::<D>::from_fn(|a, _| HALF_SIZE[usize::from(a + 1 == D)]);
     // Close to their distance at rest.
     let gap = 0.15 * DX;
     let place = |k: usize| point_at::<D>(0.5, gap + HALF_SIZE[1] + k as f64 * (2.0 * HALF_SIZE[1] + gap));
     let solids: Result<Vec<_>, _> =
-        (0..BLOCKS).map(|k| soft(box_mesh(n, place(k), half), material, Vec::new())).collect();
-    Ok(simulation_without_liquid(([32; D], DX), solids?, gravity(), STEP))
+        (0..BLOCKS).map(|k| soft(box_mesh(n, place(k), half), material, 0.3, Vec::new())).collect();
+    Ok(simulation_without_liquid(Grid::new([32; D], DX), solids?, gravity(), STEP))
 }
 
 /// Height of a block between the means over its upper and its lower side. By virtual work with a uniform compression, its change without
@@ -68,6 +70,39 @@ fn height<const D: usize>(simulation: &Simulation<D>, solid: usize) -> f64 {
     sums[1] / sizes[1] - sums[0] / sizes[0]
 }
 
+/// What is measured of a stack after it has come to rest.
+struct StackMeasure {
+    /// Sums over the steps of the accelerations that the contacts give the blocks, upwards over gravity.
+    contact_loads: [f64; BLOCKS],
+    steps: f64,
+    /// Largest displacements to the side and up or down.
+    drift: [f64; 2],
+}
+
+/// Lets a stack come to rest, and measures it for a time.
+fn measure_stack<const D: usize>(
+    simulation: &mut Simulation<D>,
+    watch: &mut ContactMonitor<D>,
+    rest: f64,
+    time: f64,
+) -> Result<StackMeasure, StepError> {
+    run_to(simulation, rest, |s, report| watch.observe(s, &report.diagnostics, true))?;
+    let start: Vec<Vector<D>> = simulation.state.solids.iter().map(|s| s.center).collect();
+    let mut found = StackMeasure { contact_loads: [0.0; BLOCKS], steps: 0.0, drift: [0.0; 2] };
+    run_to(simulation, rest + time, |s, report| {
+        watch.observe(s, &report.diagnostics, true);
+        let solids = &s.state.solids;
+        found.steps += 1.0;
+        for ((now, then), load) in solids.iter().zip(&start).zip(&mut found.contact_loads) {
+            *load += now.contact_acceleration[D - 1] / GRAVITY;
+            let off = now.center - then;
+            found.drift[0] = found.drift[0].max(off.rows(0, D - 1).norm());
+            found.drift[1] = found.drift[1].max(off[D - 1].abs());
+        }
+    })?;
+    Ok(found)
+}
+
 fn check_stack<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut simulation = stack::<D>(n, poisson)?;
     let (rest, time) = if mode == Mode::Quick { (0.5, 0.25) } else { (SETTLING_TIME, 1.0) };
@@ -75,70 +110,30 @@ fn check_stack<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Resul
         simulation.model.solids.iter().map(|s| s.mass_properties.mass * GRAVITY).collect();
     let fall = weights.iter().sum::<f64>() * 2.0 * HALF_SIZE[1];
     let mut watch = ContactMonitor::new(&simulation.model, fall);
-    run_to(&mut simulation, rest, |s, report| watch.observe(s, &report.diagnostics, true))?;
-    let start: Vec<Vector<D>> = simulation.state.solids.iter().map(|s| s.center).collect();
-    let (mut contact_load, mut steps, mut drift) = ([0.0; BLOCKS], 0.0, [0f64; 2]);
-    let middle = |s: &Simulation<D>| s.state.solids.iter().map(|s| s.center).collect::<Vec<_>>();
-    run_to(&mut simulation, rest + time, |s, report| {
-        watch.observe(s, &report.diagnostics, true);
-        contact_load
-            .iter_mut()
-            .zip(&s.state.solids)
-            .for_each(|(h, now)| *h += now.contact_acceleration[D - 1] / GRAVITY);
-        steps += 1.0;
-        for (now, then) in middle(s).iter().zip(&start) {
-            let off = now - then;
-            drift[0] = drift[0].max(off.rows(0, D - 1).norm());
-            drift[1] = drift[1].max(off[D - 1].abs());
-        }
-    })?;
+    let StackMeasure { contact_loads, steps, drift } =
+        measure_stack(&mut simulation, &mut watch, rest, time)?;
     let what = |text: &str| format!("{text}, {D}D, ν = {poisson}");
     let mut checks = Vec::new();
     let bottom = (2.0 * HALF_SIZE[0]).powi(D as i32 - 1);
     for k in 0..BLOCKS {
         let above: f64 = weights[k..].iter().sum();
-        let pushed: f64 = (k..BLOCKS).map(|j| weights[j] * contact_load[j] / steps).sum();
+        let pushed: f64 = (k..BLOCKS).map(|j| weights[j] * contact_loads[j] / steps).sum();
         let text = what(&format!("force below block {} over the weight above", k + 1));
-        checks.push(Check::relative(NAME, &text, pushed / above, 1.0, 0.01, Some(1e-3), ""));
+        checks.push(Check::relative(NAME, text, pushed / above, 1.0, bars(0.01, 1e-3)));
         if poisson == 0.0 {
             let told = (above - 0.5 * weights[k]) / (bottom * YOUNG);
             let pressed = 1.0 - height(&simulation, k) / (2.0 * HALF_SIZE[1]);
             let text = what(&format!("block {} is pressed together", k + 1));
-            checks.push(Check::relative(NAME, &text, pressed, told, 0.01, Some(3e-3), ""));
+            checks.push(Check::relative(NAME, text, pressed, told, bars(0.01, 3e-3)));
         }
     }
-    let over = 1.0 / (2.0 * HALF_SIZE[0] * time);
-    checks.push(at_most(
-        NAME,
-        &what("creep to the side in a second / width"),
-        drift[0] * over,
-        1e-3,
-        Some(1e-6),
-        "",
-    ));
-    checks.push(at_most(
-        NAME,
-        &what("creep down in a second / width"),
-        drift[1] * over,
-        1e-3,
-        Some(1e-6),
-        "",
-    ));
-    checks.push(at_least(
-        NAME,
-        &what("narrowest gap / cell"),
-        watch.narrowest_gap / DX,
-        f64::MIN_POSITIVE,
-        0.02,
-    ));
-    let law = watch.law().largest;
-    checks.push(at_most(
-        NAME,
-        &what("largest rise of the energy in a step / weight × height"),
-        law,
-        1e-6,
-        Some(1e-9),
-        "",
-    ));
+    let [aside, down] = drift.map(|way| way * (1.0 / (2.0 * HALF_SIZE[0] * time)));
+    let creep = bars(1e-3, 1e-6);
+    checks.extend([
+        at_most(NAME, what("creep to the side in a second / width"), aside, creep),
+        at_most(NAME, what("creep down in a second / width"), down, creep),
+        watch.check_gap(NAME, what("narrowest gap / cell"), DX, 0.02),
+        watch.check_rise(NAME, what("largest rise of the energy in a step / weight × height")),
+    ]);
     Ok(checks)
 }

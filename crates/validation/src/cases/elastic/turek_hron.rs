@@ -1,10 +1,9 @@
 //! The flag of Turek and Hron without fluid.
 
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
+use crate::soft::{SoftMaterial, failure_in_step};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{
-    Anchor, AnchorMotion, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder,
-};
+use meniscus_elastic::{Anchor, Elastic, ElasticError, ElementOrder};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::StepError;
@@ -37,13 +36,12 @@ const FREQUENCY: f64 = 1.0995;
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let layers: &[usize] = if mode == Mode::Quick { &[2] } else { &[2, 4, 8] };
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
     let mut checks = Vec::new();
     for &layers in layers {
-        let path = tip_displacements(layers).map_err(failed)?;
+        let path = tip_displacements(layers).map_err(failure_in_step(STEP))?;
         let mut check = |what: &str, value: f64, told: f64, unit: &'static str| {
             let what = format!("{what}, {layers} layers");
-            checks.push(Check::relative(NAME, &what, value, told, 0.04, Some(0.01), unit));
+            checks.push(Check::relative(NAME, what, value, told, bars(0.04, 0.01)).in_unit(unit));
         };
         for (a, axis) in ["along", "across"].into_iter().enumerate() {
             let ways = || path.iter().map(|u| 1e3 * u[a]);
@@ -83,20 +81,15 @@ fn flag(layers: usize) -> Result<(Elastic<2>, usize), ElasticError> {
     let mut mesh = VolumeMesh::of_box(&half, &half, &Matrix::identity(), edge, ElementOrder::Quadratic)
         .unwrap_or_default();
     let length = 2.0 * half[0];
-    let anchors = vec![Anchor { motion: AnchorMotion::Fixed, ..Anchor::within(&mesh, |x| x[0] < 1e-9) }];
+    let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9)];
     for x in &mut mesh.positions {
         let start = (RADIUS * RADIUS - (x[1] - half[1]).powi(2)).sqrt();
         x[0] = start + x[0] / length * (TIP - start);
     }
     let from_tip = |v: &usize| (mesh.positions[*v] - Vector::<2>::new(TIP, half[1])).norm();
     let tip = (0..mesh.positions.len()).min_by(|a, b| from_tip(a).total_cmp(&from_tip(b))).unwrap_or(0);
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: 1.4e6,
-        poisson_ratio: 0.4,
-        order: ElementOrder::Quadratic,
-    };
-    let description = ElasticSpecification { mesh, density: 1000.0, law, damping_ratio: 0.0, anchors };
-    Ok((Elastic::new(description)?, tip))
+    let material = SoftMaterial { young: 1.4e6, poisson: 0.4, density: 1000.0, damping: 0.0 };
+    Ok((material.elastic(mesh, anchors)?, tip))
 }
 
 /// Frequency at which the tip rises through a height, Hz.

@@ -5,12 +5,11 @@
 //! body is therefore compared with itself: the same polyhedron, clamped in the same elements, on elements half as large. Limit: the finer
 //! elements have about a quarter of the measured error, which is thus slightly too small.
 
-use crate::measure::checks_or_failure;
+use crate::measure::{bars, checks_or_failure};
+use crate::setup::up;
+use crate::soft::{SoftMaterial, not_made};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{
-    Anchor, AnchorMotion, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder,
-    lowest_modes,
-};
+use meniscus_elastic::{Anchor, AnchorMotion, ElasticError, lowest_modes};
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::volume::{Outline, stuff};
 use meniscus_numerics::shape::Shape;
@@ -51,15 +50,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut add = |dimension: usize, layers: usize, poisson: f64, found: BeamResponse, told: BeamResponse| {
         for (k, what) in ["deflection", "frequency"].iter().enumerate() {
             let what = format!("{what}, {dimension}D, {layers} layers, ν = {poisson}");
-            checks.push(Check::relative(
-                NAME,
-                &what,
-                found[k],
-                told[k],
-                TOLERANCES.0,
-                Some(TOLERANCES.1),
-                "",
-            ));
+            checks.push(Check::relative(NAME, what, found[k], told[k], bars(TOLERANCES.0, TOLERANCES.1)));
         }
     };
     for poisson in POISSONS {
@@ -68,7 +59,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
             let ends = |x: &Vector<2>| x[0] < 1e-9;
             let held = (0..mesh.positions.len() as u32).filter(|v| ends(&mesh.positions[*v as usize]));
             let held = held.collect();
-            let found = beam_response(mesh, held, poisson, &|x| x[0] > LENGTH - 1e-9).map_err(failed)?;
+            let found = beam_response(mesh, held, poisson, &|x| x[0] > LENGTH - 1e-9).map_err(not_made)?;
             add(2, layers, poisson, found, timoshenko(poisson));
         }
         let layers: &[usize] = if mode == Mode::Quick { &[2] } else { &[2, 3, 4] };
@@ -79,18 +70,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
                 let held = clamped_vertices(&mesh, times);
                 beam_response(mesh, held, poisson, &|_| true)
             });
-            add(3, layers, poisson, found.map_err(failed)?, told.map_err(failed)?);
+            add(3, layers, poisson, found.map_err(not_made)?, told.map_err(not_made)?);
         }
     }
     Ok(checks)
-}
-
-fn failed(error: ElasticError) -> StepError {
-    StepError::TooShort { time: 0.0, dt: 0.0, reason: error.to_string() }
-}
-
-fn mesh_failure(error: impl ToString) -> StepError {
-    StepError::TooShort { time: 0.0, dt: 0.0, reason: error.to_string() }
 }
 
 /// Deflection per unit of weight, and lowest frequency, of Timoshenko's beam of unit modulus, density and thickness.
@@ -105,7 +88,7 @@ fn timoshenko(poisson: f64) -> BeamResponse {
 /// The 2D beam of quadratic triangles with the given edge length.
 fn triangulated(edge: f64) -> Result<VolumeMesh<2>, StepError> {
     let outline = Outline::polygon(&[[0.0, 0.0], [LENGTH, 0.0], [LENGTH, 1.0], [0.0, 1.0]]);
-    let planar = outline.and_then(|o| o.triangulate(edge)).map_err(mesh_failure)?;
+    let planar = outline.and_then(|o| o.triangulate(edge)).map_err(not_made)?;
     Ok(planar.mesh.subdivided())
 }
 
@@ -116,7 +99,7 @@ fn stuffed(edge: f64) -> Result<VolumeMesh<3>, StepError> {
     let half = Vector::<3>::from(STRIP) * 0.5;
     let shape = Shape::Box { center: half, half_size: half, rotation };
     let (lower, upper) = shape.bounds();
-    let mesh = stuff(&|x| shape.signed_distance(x), &lower, &upper, edge).map_err(mesh_failure)?;
+    let mesh = stuff(&|x| shape.signed_distance(x), &lower, &upper, edge).map_err(not_made)?;
     // Rotated back about the middle, so that the thickness is along the last axis.
     Ok(mesh.transformed(&rotation.transpose(), &(half - rotation.transpose() * half)))
 }
@@ -139,16 +122,15 @@ fn clamped_vertices(mesh: &VolumeMesh<3>, times: u32) -> Vec<u32> {
 fn beam_response<const D: usize>(
     mesh: VolumeMesh<D>,
     held: Vec<u32>,
-    poisson_ratio: f64,
+    poisson: f64,
     counts: &dyn Fn(&Vector<D>) -> bool,
 ) -> Result<BeamResponse, ElasticError> {
-    let law =
-        ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio, order: ElementOrder::Quadratic };
     let anchors = vec![Anchor { vertices: held, motion: AnchorMotion::Fixed }];
-    let body = Elastic::new(ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors })?;
+    let material = SoftMaterial { young: 1.0, poisson, density: 1.0, damping: 0.0 };
+    let body = material.elastic(mesh, anchors)?;
     let modes = lowest_modes(&body, 1)?;
     let positions = &body.rest_mesh().positions;
-    let weight = |m: &f64| Vector::from_fn(|a, _| if a + 1 == D { *m } else { 0.0 });
+    let weight = |m: &f64| up(*m);
     let weight: Vec<Vector<D>> = body.masses().iter().map(weight).collect();
     let moved = body.linear_static_displacements(&weight, &[])?;
     let part = (0..positions.len()).filter(|v| counts(&positions[*v]));

@@ -1,11 +1,11 @@
 //! Prosperetti's capillary wave.
 
-use crate::measure::{SurfacePoint, checks_or_failure, surface_points};
-use crate::setup::{model, run_to};
+use crate::measure::{SurfacePoint, bars, checks_or_failure, surface_points};
+use crate::setup::{at_rest, model, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LiquidRegion, Simulation, StepError, Wall};
+use meniscus_sim::{Simulation, StepError, Wall};
 use std::f64::consts::{PI, TAU};
 
 /// The case.
@@ -48,7 +48,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         let square: f64 = found.iter().zip(exact).map(|(a, e)| (a - e).powi(2)).sum();
         let rms = (square / exact.len() as f64).sqrt();
         let quantity = format!("RMS error / a0, ν = {viscosity}");
-        checks.push(Check::absolute("capillary-wave", &quantity, rms, 0.0, must, Some(0.007), ""));
+        checks.push(Check::absolute("capillary-wave", quantity, rms, 0.0, bars(must, 0.007)));
     }
     Ok(checks)
 }
@@ -62,8 +62,7 @@ fn wave(cells: usize, viscosity: f64) -> Result<Vec<f64>, StepError> {
     model.numerics.tolerance = 1e-8;
     model.numerics.capillary_step = 0.25;
     let distance = |x: &Vector<2>| wave_distance(x);
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     let mut found = Vec::new();
     for time in TIMES {
         run_to(&mut sim, time / OMEGA, |_, _| ())?;
@@ -102,10 +101,7 @@ mod tests {
     fn the_wave_is_measured() {
         let grid = Grid::<2>::new([32, 64], 1.0 / 32.0);
         let model = model(grid, [[Wall::Slip; 2]; 2]);
-        let mut sim = Simulation::new(
-            model,
-            &[LiquidRegion { signed_distance: &|x: &Vector<2>| wave_distance(x), velocity: Vector::zeros() }],
-        );
+        let mut sim = at_rest(model, &|x: &Vector<2>| wave_distance(x));
         assert!((amplitude(&sim) / AMPLITUDE - 1.0).abs() < 1e-4, "{}", amplitude(&sim));
         sim.state.phi = CellField::new(grid, 1.0);
         assert_eq!(amplitude(&sim), 0.0);

@@ -1,11 +1,11 @@
 //! A collapsing column of water.
 
-use crate::measure::{at_most, checks_or_failure};
-use crate::setup::run_to;
+use crate::measure::{at_most, bars, checks_or_failure};
+use crate::setup::{at_rest, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Component, LiquidRegion, Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{Component, Model, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
 /// The case.
@@ -94,21 +94,17 @@ impl Collapse {
 fn collapse(cells: usize, surface_tension: f64) -> Result<Collapse, StepError> {
     let dx = WIDTH / cells as f64;
     let model = Model {
-        grid: Grid::<2>::new([6 * cells, 5 * cells / 2], dx),
-        walls: [[Wall::Slip; 2]; 2],
         density: 998.0,
         kinematic_viscosity: 1e-6,
         surface_tension,
         gravity: Vector::<2>::new(0.0, -GRAVITY),
-        solids: Vec::new(),
-        numerics: Numerics::default(),
+        ..unit_model(Grid::<2>::new([6 * cells, 5 * cells / 2], dx), [[Wall::Slip; 2]; 2])
     };
     let distance = |x: &Vector<2>| {
         let (right, top) = (x[0] - WIDTH, x[1] - 2.0 * WIDTH);
         right.max(top).min(0.0) + right.max(0.0).hypot(top.max(0.0))
     };
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     let unit = (2.0 * GRAVITY / WIDTH).sqrt();
     let mut c = Collapse { times: vec![0.0], fronts: vec![1.0], heights: vec![1.0], volume_error: 0.0 };
     run_to(
@@ -154,12 +150,12 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let column = format!("largest deviation of the column's height (all: {} %)", percent(&sunk));
     let case = "dam-break";
     Ok(vec![
-        at_most(case, &front, size(0.0), must, Some(0.05), ""),
-        at_most(case, "mean deviation of the front", mean, must, Some(0.05), ""),
-        at_most(case, &later, size(delay), must, Some(0.05), ""),
-        at_most(case, &column, largest(sunk.into_iter()), must, Some(0.05), ""),
-        at_most(case, "front against potential flow", lead, exact, Some(0.005), ""),
-        at_most(case, "height of the column against potential flow", fall, exact, Some(0.005), ""),
-        at_most(case, "volume error", water.volume_error, 1e-4, Some(1e-8), ""),
+        at_most(case, front, size(0.0), bars(must, 0.05)),
+        at_most(case, "mean deviation of the front", mean, bars(must, 0.05)),
+        at_most(case, later, size(delay), bars(must, 0.05)),
+        at_most(case, column, largest(sunk.into_iter()), bars(must, 0.05)),
+        at_most(case, "front against potential flow", lead, bars(exact, 0.005)),
+        at_most(case, "height of the column against potential flow", fall, bars(exact, 0.005)),
+        at_most(case, "volume error", water.volume_error, bars(1e-4, 1e-8)),
     ])
 }

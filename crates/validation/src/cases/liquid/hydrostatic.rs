@@ -1,11 +1,11 @@
 //! A tank at rest.
 
-use crate::measure::{at_most, checks_or_failure};
-use crate::setup::{TENSION, model};
+use crate::measure::{at_most, bars, checks_or_failure};
+use crate::setup::{TENSION, at_rest, model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LiquidRegion, Simulation, StepError, Wall};
+use meniscus_sim::{StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -39,8 +39,7 @@ fn tank<const D: usize>(cells: usize, tension: f64) -> Result<Vec<Check>, StepEr
     model.numerics.tolerance = 1e-10;
     model.numerics.max_step = 0.01;
     let distance = |x: &Vector<D>| x[D - 1] - height;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     let (mut speed, mut steps) = (0.0, 0);
     while steps < 200 {
         speed = sim.step(f64::INFINITY, &mut |_| ())?.diagnostics.max_speed;
@@ -52,7 +51,7 @@ fn tank<const D: usize>(cells: usize, tension: f64) -> Result<Vec<Check>, StepEr
     let speeds = format!("max|u| / √(gH), {D}D, γ = {tension}");
     let bottoms = format!("pressure at the bottom, {D}D, γ = {tension}");
     Ok(vec![
-        at_most("hydrostatic", &speeds, speed / unit, 1e-6, Some(1e-12), ""),
-        Check::relative("hydrostatic", &bottoms, pressure, bottom, 1e-6, Some(1e-10), ""),
+        at_most("hydrostatic", speeds, speed / unit, bars(1e-6, 1e-12)),
+        Check::relative("hydrostatic", bottoms, pressure, bottom, bars(1e-6, 1e-10)),
     ])
 }

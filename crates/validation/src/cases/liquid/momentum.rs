@@ -1,12 +1,12 @@
 //! Momentum of an isolated system.
 
-use crate::measure::{at_most, checks_or_failure, volume_and_centroid};
-use crate::setup::{RADIUS, TENSION, grid_offset, model, run_to};
+use crate::measure::{at_most, bar, bars, checks_or_failure, volume_and_centroid};
+use crate::setup::{RADIUS, TENSION, grid_offset, model, run_to, with_bodies};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Diagnostics, LiquidRegion, Repairs, Simulation, StepError, Wall};
+use meniscus_sim::{Diagnostics, Repairs, Simulation, StepError, Wall};
 use std::f64::consts::{PI, TAU};
 
 /// The case.
@@ -60,33 +60,22 @@ fn isolated<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     let what = |text: &str| format!("{text}, {D}D");
     let case = "momentum";
     Ok(vec![
-        at_most(case, &what("drift of momentum / γLt"), linear, 1e-8, Some(1e-12), ""),
-        at_most(case, &what("drift of angular momentum / γL²t"), angular, 1e-8, Some(1e-12), ""),
+        at_most(case, what("drift of momentum / γLt"), linear, bars(1e-8, 1e-12)),
+        at_most(case, what("drift of angular momentum / γL²t"), angular, bars(1e-8, 1e-12)),
         at_most(
             case,
-            &what("momentum restored / γLt"),
+            what("momentum restored / γLt"),
             repairs.momentum_restored / unit,
-            MAX_MOMENTUM_RESTORED,
-            Some(1e-4),
-            "",
+            bars(MAX_MOMENTUM_RESTORED, 1e-4),
         ),
         at_most(
             case,
-            &what("angular momentum restored / γL²t"),
+            what("angular momentum restored / γL²t"),
             repairs.spin_restored / (unit * RADIUS),
-            MAX_ANGULAR_MOMENTUM_RESTORED,
-            Some(1e-4),
-            "",
+            bars(MAX_ANGULAR_MOMENTUM_RESTORED, 1e-4),
         ),
-        at_most(
-            case,
-            &what("centre of mass off its straight path / Δ"),
-            centroid_deviation,
-            0.1,
-            Some(0.01),
-            "",
-        ),
-        Check::absolute(case, &what("drops at the end (merged)"), components, 2.0, 0.0, None, ""),
+        at_most(case, what("centre of mass off its straight path / Δ"), centroid_deviation, bars(0.1, 0.01)),
+        Check::absolute(case, what("drops at the end (merged)"), components, 2.0, bar(0.0)),
     ])
 }
 
@@ -108,19 +97,13 @@ fn start<const D: usize>(cells: usize) -> (Simulation<D>, f64) {
     let flow = |x: f64, y: f64| Vector::from_fn(|a, _| [x, y, 0.5][a]);
     let ball = |center: Vector<D>| Shape::Ball { center, radius: RADIUS };
     let top = place(4.2, 7.0);
-    let shapes = [
-        ball(place(2.6, 2.2)),
-        ball(place(5.4, 3.1)),
-        Shape::PerturbedBall { center: top, radius: RADIUS, mode: 2, amplitude: AMPLITUDE },
+    let spinning = Shape::PerturbedBall { center: top, radius: RADIUS, mode: 2, amplitude: AMPLITUDE };
+    let bodies = [
+        (ball(place(2.6, 2.2)), flow(6.0, 0.3)),
+        (ball(place(5.4, 3.1)), flow(-5.0, 0.0)),
+        (spinning, flow(0.7, -0.4)),
     ];
-    let speeds = [flow(6.0, 0.3), flow(-5.0, 0.0), flow(0.7, -0.4)];
-    let distances: Vec<_> = shapes.iter().map(|s| |x: &Vector<D>| s.signed_distance(x)).collect();
-    let bodies: Vec<LiquidRegion<'_, D>> = distances
-        .iter()
-        .zip(speeds)
-        .map(|(signed_distance, velocity)| LiquidRegion { signed_distance, velocity })
-        .collect();
-    let mut sim = Simulation::new(model, &bodies);
+    let mut sim = with_bodies(model, &bodies);
     add_rotation(&mut sim, &top);
     let Simulation { model, state, .. } = sim;
     (Simulation::resume(model, state), 0.15)

@@ -1,12 +1,12 @@
 //! A moving drop: Galilean invariance.
 
-use crate::measure::{at_most, checks_or_failure, volume_and_centroid};
-use crate::setup::{RADIUS, TENSION, grid_offset, model, roundness, run_to};
+use crate::measure::{at_most, bars, checks_or_failure, volume_and_centroid};
+use crate::setup::{RADIUS, TENSION, grid_offset, model, roundness, run_to, with_bodies};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Simulation, StepError, Wall};
+use meniscus_sim::{Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -48,8 +48,7 @@ fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError
     let center = Vector::from_element(1.6 * RADIUS) + grid_offset::<D>(dx);
     let velocity = Vector::from_fn(|a, _| if a == 0 { SPEED } else { SPEED / 10.0 });
     let shape = Shape::Ball { center, radius: RADIUS };
-    let distance = |x: &Vector<D>| shape.signed_distance(x);
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity }]);
+    let mut sim = with_bodies(model, &[(shape, velocity)]);
     let (mut deviation, mut volume, mut centroid_deviation, mut pressure): (f64, f64, f64, f64) =
         (0.0, 0.0, 0.0, 0.0);
     let measured = |sim: &Simulation<D>| volume_and_centroid(&sim.model, &sim.state.phi);
@@ -71,17 +70,10 @@ fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError
     let case = "moving-drop";
     let inner = (sim.diagnostics().max_speed - SPEED).abs() / (TENSION / (2.0 * RADIUS)).sqrt();
     Ok(vec![
-        at_most(case, &what("largest deviation from round / R"), deviation, round, Some(0.003), ""),
-        at_most(case, &what("volume error"), volume, 1e-4, Some(1e-8), ""),
-        at_most(
-            case,
-            &what("centre of mass off its straight path / Δ"),
-            centroid_deviation,
-            0.1,
-            Some(0.01),
-            "",
-        ),
-        at_most(case, &what("(max|u| − U) / √(γ/ρD) at the end"), inner, 0.01, Some(0.001), ""),
-        Check::relative(case, &what("Laplace pressure at the end"), pressure, laplace, 0.03, Some(0.005), ""),
+        at_most(case, what("largest deviation from round / R"), deviation, bars(round, 0.003)),
+        at_most(case, what("volume error"), volume, bars(1e-4, 1e-8)),
+        at_most(case, what("centre of mass off its straight path / Δ"), centroid_deviation, bars(0.1, 0.01)),
+        at_most(case, what("(max|u| − U) / √(γ/ρD) at the end"), inner, bars(0.01, 0.001)),
+        Check::relative(case, what("Laplace pressure at the end"), pressure, laplace, bars(0.03, 0.005)),
     ])
 }

@@ -1,11 +1,11 @@
 //! Outflow through open sides.
 
-use crate::measure::{at_most, checks_or_failure};
-use crate::setup::model;
+use crate::measure::{at_most, bars, checks_or_failure};
+use crate::setup::{at_rest, in_flight, model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Diagnostics, LiquidRegion, Simulation, StepError, Wall};
+use meniscus_sim::{Diagnostics, Simulation, StepError, Wall};
 use std::f64::consts::PI;
 
 /// The case.
@@ -68,16 +68,15 @@ fn column<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     let mut model = model(Grid::<D>::new([cells; D], 1.0 / cells as f64), walls).with_open_sides();
     model.gravity[D - 1] = -1.0;
     let distance = |x: &Vector<D>| x[D - 1] - height;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     let scale = sim.diagnostics().potential_energy;
     let (left, growth) = run_outflow(&mut sim, end, scale)?;
     let (share, energy) =
         (format!("share of a column that has left, {D}D"), format!("its energy's growth, {D}D"));
     let exact = 0.5 * end * end / height;
     Ok(vec![
-        Check::relative("open-side", &share, left, exact, COLUMN_TOLERANCE, Some(1e-3), ""),
-        at_most("open-side", &energy, growth, ENERGY_TOLERANCE, Some(1e-3), ""),
+        Check::relative("open-side", share, left, exact, bars(COLUMN_TOLERANCE, 1e-3)),
+        at_most("open-side", energy, growth, bars(ENERGY_TOLERANCE, 1e-3)),
     ])
 }
 
@@ -89,7 +88,7 @@ fn ball<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     center[0] = 0.7;
     let distance = |x: &Vector<D>| (x - center).norm() - RADIUS;
     let velocity = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity }]);
+    let mut sim = in_flight(model, &distance, velocity);
     let volume = if D == 2 { PI * RADIUS.powi(2) } else { 4.0 / 3.0 * PI * RADIUS.powi(3) };
     let scale = 0.5 * sim.model.density * volume;
     let (left, growth) = run_outflow(&mut sim, 0.3, scale)?;
@@ -98,7 +97,7 @@ fn ball<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     // The surface is of second order: its error is that of a chord of a cell.
     let bar = (1.0 / (cells as f64 * RADIUS)).powi(2).min(0.02);
     Ok(vec![
-        Check::relative("open-side", &share, left, 0.5, bar, Some(0.25 * bar), ""),
-        at_most("open-side", &energy, growth, ENERGY_TOLERANCE, Some(1e-3), ""),
+        Check::relative("open-side", share, left, 0.5, bars(bar, 0.25 * bar)),
+        at_most("open-side", energy, growth, bars(ENERGY_TOLERANCE, 1e-3)),
     ])
 }

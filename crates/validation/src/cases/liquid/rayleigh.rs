@@ -1,6 +1,6 @@
 //! Oscillating drops: frequency, damping, step length, viscosity.
 
-use crate::measure::{at_least, at_most, checks_or_failure, convergence_order, fit_oscillation};
+use crate::measure::{at_least, at_most, bars, checks_or_failure, convergence_order, fit_oscillation};
 use crate::setup::{DropHistory, DropRun, RADIUS, rayleigh_frequency, run_drop};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
@@ -90,7 +90,7 @@ fn measure_oscillation<const D: usize>(
 fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError> {
     let quick = mode == Mode::Quick;
     let (step, periods) = if D == 2 { (0.5, 3.0) } else { (2.0, 1.5) };
-    let bars = if quick { (0.04, 0.15) } else { (0.015, 0.05) };
+    let [of_frequency, of_loss] = if quick { [0.04, 0.15] } else { [0.015, 0.05] };
     let mut checks = Vec::new();
     for (n, coarse) in [(2, 8), (3, 12)] {
         if quick && D == 3 && n == 3 {
@@ -100,12 +100,15 @@ fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError
         let omega = rayleigh_frequency::<D>(n);
         let tone = measure_oscillation::<D>(cells, n, AMPLITUDE, step, periods, 0.0)?;
         let frequency = format!("frequency, n = {n}");
-        checks.push(Check::relative(name, &frequency, tone.frequency, omega, bars.0, Some(0.005), "rad/s"));
+        checks.push(
+            Check::relative(name, frequency, tone.frequency, omega, bars(of_frequency, 0.005))
+                .in_unit("rad/s"),
+        );
         let loss = format!("loss of amplitude per period, n = {n}");
-        checks.push(at_most(name, &loss, tone.loss, bars.1, Some(0.02), ""));
+        checks.push(at_most(name, loss, tone.loss, bars(of_loss, 0.02)));
         if n == 2 {
             let volume = tone.history.volume_error;
-            checks.push(at_most(name, "volume error", volume, 1e-4, Some(1e-8), ""));
+            checks.push(at_most(name, "volume error", volume, bars(1e-4, 1e-8)));
         }
     }
     if D == 2 || !quick {
@@ -130,7 +133,7 @@ fn order<const D: usize>(name: &str, quick: bool) -> Result<Check, StepError> {
     }
     let list: Vec<String> = errors.iter().map(|(_, e)| format!("{:+.2} %", 100.0 * e)).collect();
     let quantity = format!("order of convergence, n = 2 (errors {})", list.join(", "));
-    Ok(at_least(name, &quantity, convergence_order(&errors), 1.3, 1.8))
+    Ok(at_least(name, quantity, convergence_order(&errors), 1.3, 1.8))
 }
 
 fn steps(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -152,10 +155,12 @@ fn steps_in<const D: usize>(name: &str, cells: usize, wider: f64) -> Result<Vec<
         if must > 0.0 {
             let quantity = format!("frequency, {D}D, steps {step} × the limit");
             let frequency = tone.frequency;
-            checks.push(Check::relative(name, &quantity, frequency, omega, wider * must, Some(aim), "rad/s"));
+            checks.push(
+                Check::relative(name, quantity, frequency, omega, bars(wider * must, aim)).in_unit("rad/s"),
+            );
         }
         let quantity = format!("largest amplitude over the first, {D}D, steps {step} × the limit");
-        checks.push(Check::absolute(name, &quantity, tone.growth, 1.0, 0.1, Some(0.02), ""));
+        checks.push(Check::absolute(name, quantity, tone.growth, 1.0, bars(0.1, 0.02)));
     }
     Ok(checks)
 }
@@ -165,20 +170,14 @@ fn lamb(mode: Mode) -> Result<Vec<Check>, StepError> {
     let unit = nu / (RADIUS * RADIUS);
     if mode == Mode::Quick {
         let plane = measure_oscillation::<2>(8, 2, AMPLITUDE, 1.0, 4.0, nu)?;
-        return Ok(vec![Check::relative(
-            name,
-            "decay rate, 2D",
-            plane.decay,
-            4.0 * unit,
-            0.5,
-            Some(0.03),
-            "1/s",
-        )]);
+        return Ok(vec![
+            Check::relative(name, "decay rate, 2D", plane.decay, 4.0 * unit, bars(0.5, 0.03)).in_unit("1/s"),
+        ]);
     }
     let plane = measure_oscillation::<2>(16, 2, AMPLITUDE, 0.5, 6.0, nu)?;
     let space = measure_oscillation::<3>(16, 2, AMPLITUDE, 0.5, 2.0, nu)?;
     Ok(vec![
-        Check::relative(name, "decay rate, 2D", plane.decay, 4.0 * unit, 0.1, Some(0.03), "1/s"),
-        Check::relative(name, "decay rate, 3D", space.decay, 5.0 * unit, 0.1, Some(0.03), "1/s"),
+        Check::relative(name, "decay rate, 2D", plane.decay, 4.0 * unit, bars(0.1, 0.03)).in_unit("1/s"),
+        Check::relative(name, "decay rate, 3D", space.decay, 5.0 * unit, bars(0.1, 0.03)).in_unit("1/s"),
     ])
 }

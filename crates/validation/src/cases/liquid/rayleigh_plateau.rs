@@ -1,12 +1,12 @@
 //! Breakup of a liquid column.
 
-use crate::measure::{checks_or_failure, fit_growth, surface_points};
-use crate::setup::{RADIUS, TENSION, grid_offset, model, run_to};
+use crate::measure::{bars, checks_or_failure, fit_growth, surface_points};
+use crate::setup::{RADIUS, TENSION, at_rest, grid_offset, model, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LiquidRegion, Simulation, StepError, Wall};
+use meniscus_sim::{Simulation, StepError, Wall};
 use std::f64::consts::PI;
 
 /// The case.
@@ -50,7 +50,9 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let sigma = measured_growth_rate(length)?;
     let cells = length as f64 * WAVENUMBER_TIMES_RADIUS / PI;
     let quantity = format!("growth rate, {cells:.1} cells per radius");
-    Ok(vec![Check::relative("rayleigh-plateau", &quantity, sigma, growth_rate(), must, Some(0.03), "1/s")])
+    Ok(vec![
+        Check::relative("rayleigh-plateau", quantity, sigma, growth_rate(), bars(must, 0.03)).in_unit("1/s"),
+    ])
 }
 
 fn measured_growth_rate(length: usize) -> Result<f64, StepError> {
@@ -67,8 +69,7 @@ fn measured_growth_rate(length: usize) -> Result<f64, StepError> {
         let radius = RADIUS * (1.0 + AMPLITUDE * (wave * x[0]).cos());
         ((x[1] - axis[1]).hypot(x[2] - axis[2]) - radius) / slope.hypot(1.0)
     };
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     let amplitude = |sim: &Simulation<3>| {
         let points = surface_points(&sim.model, &sim.state.phi);
         let fit = least_squares(points.iter().map(|p| {

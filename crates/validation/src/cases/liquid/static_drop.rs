@@ -1,6 +1,6 @@
 //! A drop at rest: Laplace pressure and parasitic currents.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::{DropRun, RADIUS, TENSION, run_drop};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
@@ -48,19 +48,12 @@ fn run<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError> 
     let end = last(&history.speeds) * unit;
     let peak = history.speeds.iter().copied().fold(0.0, f64::max) * unit;
     let laplace = TENSION * (D as f64 - 1.0) / RADIUS;
-    let (bars, aims) = if quick { ((0.02, 1e-2), (0.005, 1e-3)) } else { ((0.005, 3e-3), (0.001, 1e-5)) };
+    let [of_pressure, of_speed] =
+        if quick { [bars(0.02, 0.005), bars(1e-2, 1e-3)] } else { [bars(0.005, 0.001), bars(3e-3, 1e-5)] };
     Ok(vec![
-        Check::relative(
-            name,
-            "Laplace pressure",
-            last(&history.pressures),
-            laplace,
-            bars.0,
-            Some(aims.0),
-            "",
-        ),
-        at_most(name, "max|u| √(ρD/γ) at the end", end, bars.1, Some(aims.1), ""),
-        at_most(name, "max|u| at the end over its peak", end / peak.max(1e-300), 1.0, Some(0.1), ""),
-        at_most(name, "deviation from round / R", last(&history.deviations), 0.01, Some(0.001), ""),
+        Check::relative(name, "Laplace pressure", last(&history.pressures), laplace, of_pressure),
+        at_most(name, "max|u| √(ρD/γ) at the end", end, of_speed),
+        at_most(name, "max|u| at the end over its peak", end / peak.max(1e-300), bars(1.0, 0.1)),
+        at_most(name, "deviation from round / R", last(&history.deviations), bars(0.01, 0.001)),
     ])
 }

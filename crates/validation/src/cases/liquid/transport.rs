@@ -1,8 +1,8 @@
 //! Surfaces in prescribed flows: Zalesak's disc and the vortex in a box.
 
-use crate::measure::{at_most, volume_and_centroid};
+use crate::measure::{at_most, bars, volume_and_centroid};
 use crate::setup::model;
-use crate::{Case, Check, Mode};
+use crate::{Bars, Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Grid, Sampler};
 use meniscus_sim::{Model, PrescribedFlow, Wall};
@@ -45,7 +45,7 @@ fn zalesak() -> Vec<Check> {
     let flow = |x: &Vector<2>, _: f64| Vector::<2>::new(about[1] - x[1], x[0] - about[0]) * (TAU / 628.0);
     let length = outline_length();
     let run = |keep| advect(grid, &slotted, &flow, 628, 1.0, keep);
-    checks("zalesak", &run, length, 582.207, (0.01, 0.61), (0.0031, 0.07))
+    checks("zalesak", &run, length, 582.207, bars(0.01, 0.0031), bars(0.61, 0.07))
 }
 
 fn vortex(mode: Mode) -> Vec<Check> {
@@ -60,7 +60,7 @@ fn vortex(mode: Mode) -> Vec<Check> {
         Vector::<2>::new(-sx * sx * (TAU * x[1]).sin(), sy * sy * (TAU * x[0]).sin()) * turn
     };
     let run = |keep| advect(grid, &disc, &flow, steps, dt, keep);
-    checks("vortex", &run, TAU * 0.15, PI * 0.0225, (area, 0.031), (0.0071, 0.0014))
+    checks("vortex", &run, TAU * 0.15, PI * 0.0225, bars(area, 0.0071), bars(0.031, 0.0014))
 }
 
 /// Area and L1 error with the volume correction off and on.
@@ -69,16 +69,16 @@ fn checks(
     run: &dyn Fn(bool) -> AdvectionResult,
     length: f64,
     area: f64,
-    must: (f64, f64),
-    aim: (f64, f64),
+    of_area: Bars,
+    of_error: Bars,
 ) -> Vec<Check> {
     let mut checks = Vec::new();
     for (keep, text) in [(false, "volume correction off"), (true, "volume correction on")] {
         let outcome = run(keep);
         let quantity = format!("area, {text}");
-        checks.push(Check::relative(case, &quantity, outcome.area, area, must.0, Some(aim.0), ""));
+        checks.push(Check::relative(case, quantity, outcome.area, area, of_area));
         let quantity = format!("L1 error, {text}");
-        checks.push(at_most(case, &quantity, outcome.error / length, must.1, Some(aim.1), ""));
+        checks.push(at_most(case, quantity, outcome.error / length, of_error));
     }
     checks
 }

@@ -1,13 +1,13 @@
 //! Drops that bounce off a non-wetting wall.
 
 use crate::cases::wetting::sessile::sessile_model;
-use crate::measure::{checks_or_failure, surface_points};
-use crate::setup::run_to;
+use crate::measure::{bars, checks_or_failure, surface_points};
+use crate::setup::{in_flight, run_to};
 use crate::{Case, Check};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Motion, Solid, StepError};
 
 /// Bouncing water drops.
 pub const CASE: Case = Case {
@@ -31,26 +31,10 @@ fn bounces() -> Result<Vec<Check>, StepError> {
         let bounce = bounce(16, weber)?;
         let what = |text: &str| format!("{text}, We = {weber}");
         let touched = bounce.contact_time;
-        checks.push(Check::relative(
-            "bounce",
-            &what("contact time"),
-            touched,
-            CONTACT_TIME,
-            0.15,
-            Some(0.08),
-            "",
-        ));
+        checks.push(Check::relative("bounce", what("contact time"), touched, CONTACT_TIME, bars(0.15, 0.08)));
         if spreads {
             let width = weber.sqrt().sqrt();
-            checks.push(Check::relative(
-                "bounce",
-                &what("D/D0"),
-                bounce.max_spread,
-                width,
-                0.15,
-                Some(0.08),
-                "",
-            ));
+            checks.push(Check::relative("bounce", what("D/D0"), bounce.max_spread, width, bars(0.15, 0.08)));
         }
     }
     Ok(checks)
@@ -78,7 +62,7 @@ fn bounce(cells: usize, weber: f64) -> Result<Bounce, StepError> {
     let center = point + Vector::<3>::z() * 1.2;
     let ball = |x: &Vector<3>| (x - center).norm() - 1.0;
     let velocity = Vector::<3>::z() * -(0.5 * weber).sqrt();
-    let mut sim = Simulation::new(model, &[LiquidRegion { signed_distance: &ball, velocity }]);
+    let mut sim = in_flight(model, &ball, velocity);
     let mut span = None;
     let mut max_spread = 0.0f64;
     let end = 0.2 / velocity.norm() + 1.6 * CONTACT_TIME;

@@ -1,13 +1,13 @@
 //! Solids in liquid without surface tension: Archimedes' principle and added mass.
 
-use super::floating::{TIME, level_at_sides, tank};
-use crate::measure::checks_or_failure;
-use crate::setup::{grid_offset, run_to};
+use super::floating::{TIME, Tank, level_at_sides};
+use crate::measure::{bars, bisect, checks_or_failure};
+use crate::setup::{at_rest, block, grid_offset, run_to, unit_model, up};
 use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Light floating solids.
@@ -42,18 +42,15 @@ fn buoyancy(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 fn check_floating_height(density: f64, cells: usize, time: f64) -> Result<Check, StepError> {
     // Half the angle of the circle's arc below the level.
-    let (mut low, mut high) = (0.0, PI);
-    while high - low > 1e-12 {
-        let middle: f64 = 0.5 * (low + high);
-        if middle - 0.5 * (2.0 * middle).sin() < PI * density { low = middle } else { high = middle }
-    }
-    let expected = low.cos();
-    let mut sim = tank::<2>((f64::INFINITY, 90.0, density), (cells, 6.0), expected + 0.1, &|_| 0.0);
+    let is_low = |half: f64| half - 0.5 * (2.0 * half).sin() < PI * density;
+    let expected = bisect([0.0, PI], 42, is_low)[0].cos();
+    let (bond, center) = (f64::INFINITY, expected + 0.1);
+    let mut sim = Tank { bond, angle: 90.0, density, cells, width: 6.0, center }.start::<2>(&|_| 0.0);
     sim.model.numerics.max_step = 0.1;
     run_to(&mut sim, time, |_, _| ())?;
     let found = sim.state.solids[0].center[1] - level_at_sides(&sim);
     let text = format!("centre / R, D = {density}, {cells} cells/R");
-    Ok(Check::absolute("buoyancy", &text, found, expected, 0.02, Some(0.01), ""))
+    Ok(Check::absolute("buoyancy", text, found, expected, bars(0.02, 0.01)))
 }
 
 fn added_mass(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -76,25 +73,20 @@ fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check
     let dx = 1.0 / cells;
     let grid = Grid::<D>::new([((2.0 * ratio + 0.5) * cells) as usize; D], dx);
     let center = grid.domain_upper() * 0.5 + grid_offset(dx);
-    let all = Shape::Box { center, half_size: Vector::repeat(2.0 * ratio), rotation: Matrix::identity() };
+    let all = block(center, Vector::repeat(2.0 * ratio));
     let hole = Shape::Ball { center, radius: ratio };
     let shell = Shape::Difference { of: Box::new(all), minus: Box::new(hole) };
     let inner = Solid::new(Shape::Ball { center, radius: 1.0 }, Motion::Free, density);
     let model = Model {
-        grid,
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.0,
         surface_tension: 0.0,
-        gravity: Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 }),
+        gravity: up(-1.0),
         solids: vec![inner, Solid::new(shell, Motion::Fixed, 1.0)],
-        numerics: Numerics::default(),
+        ..unit_model(grid, [[Wall::Slip; 2]; D])
     };
     let (d, outer) = (D as f64 - 1.0, ratio.powi(D as i32));
     let expected = (outer + d) / (d * (outer - 1.0));
     let full = |x: &Vector<D>| x[D - 1] - 100.0 * ratio;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &full, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &full);
     let start = sim.state.solids[0].center[D - 1];
     let time = (2.0 * way * (density + expected) / (1.0 - density).abs()).sqrt();
     for _ in 0..STEPS {
@@ -103,5 +95,5 @@ fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check
     let risen = sim.state.solids[0].center[D - 1] - start;
     let found = 0.5 * (1.0 - density) * sim.state.time.powi(2) / risen - density;
     let text = format!("added over displaced mass, {D}D, Ro/Ri = {ratio}, D = {density}");
-    Ok(Check::relative("added-mass", &text, found, expected, 0.04, Some(0.01), ""))
+    Ok(Check::relative("added-mass", text, found, expected, bars(0.04, 0.01)))
 }

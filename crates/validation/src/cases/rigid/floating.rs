@@ -1,12 +1,12 @@
 //! Heavy solids carried by the surface, and the force on a fixed one.
 
-use crate::measure::{at_most, checks_or_failure, surface_points};
-use crate::setup::run_to;
+use crate::measure::{at_most, bar, bars, checks_or_failure, surface_points};
+use crate::setup::{at_rest, run_to, unit_model, up};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Floating and sinking solids.
@@ -127,7 +127,7 @@ fn free_body(mode: Mode) -> Result<Vec<Check>, StepError> {
         if quick { &[(1.0, 120.0)] } else { &[(1.0, 90.0), (1.0, 120.0), (0.5, 150.0)] };
     for &(bond, angle) in limits {
         for &share in if quick { &[1.1][..] } else { &[0.9, 1.1] } {
-            checks.push(floats_or_sinks(bond, angle, share, (cells, time))?);
+            checks.push(floats_or_sinks(bond, angle, share, cells, time)?);
         }
     }
     if !quick {
@@ -136,44 +136,55 @@ fn free_body(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-/// A tank with a given half-width in radii and a solid whose centre lies at a height above the level. `surface` is the height of the
-/// liquid's surface over the level as a function of the distance from the axis.
-pub(crate) fn tank<const D: usize>(
-    (bond, angle, density): (f64, f64, f64),
-    (cells, width): (usize, f64),
-    center: f64,
-    surface: &(dyn Fn(f64) -> f64 + Sync),
-) -> Simulation<D> {
-    let dx = 1.0 / cells as f64;
-    let side = 2 * (width * cells as f64).ceil() as usize;
-    let high = ((DEPTH + HEADSPACE) * cells as f64) as usize;
-    let grid = Grid::<D>::new(std::array::from_fn(|a| if a + 1 == D { high } else { side }), dx);
-    let level = initial_level();
-    let mut middle = grid.domain_upper() * 0.5;
-    middle[D - 1] = level + center;
-    let mut body = Solid::new(Shape::Ball { center: middle, radius: 1.0 }, Motion::Free, density);
-    body.young_cosine = angle.to_radians().cos();
-    let mut walls = [[Wall::Slip; 2]; D];
-    walls[D - 1][1] = Wall::Open;
-    let model = Model {
-        grid,
-        walls,
-        density: 1.0,
-        kinematic_viscosity: 1.0,
-        surface_tension: 1.0 / bond,
-        gravity: Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 }),
-        solids: vec![body],
-        numerics: Numerics::default(),
-    };
-    let distance = |x: &Vector<D>| {
-        let mut arm = x - middle;
-        arm[D - 1] = 0.0;
-        let r = arm.norm();
-        // Height over the surface, as a distance.
-        let slope = (surface(r + 0.5 * dx) - surface((r - 0.5 * dx).abs())) / dx;
-        (x[D - 1] - level - surface(r)) / (1.0 + slope * slope).sqrt()
-    };
-    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
+/// A tank of liquid with a solid, in units of the solid's radius.
+#[derive(Clone, Copy)]
+pub(crate) struct Tank {
+    /// Bond number.
+    pub(crate) bond: f64,
+    /// Contact angle, degrees.
+    pub(crate) angle: f64,
+    /// Density of the solid over the liquid's.
+    pub(crate) density: f64,
+    /// Cells per radius.
+    pub(crate) cells: usize,
+    /// Half-width of the tank.
+    pub(crate) width: f64,
+    /// Height of the solid's centre above the level.
+    pub(crate) center: f64,
+}
+
+impl Tank {
+    /// Starts; `surface` is the height of the liquid's surface over the level as a function of the distance from the axis.
+    pub(crate) fn start<const D: usize>(self, surface: &(dyn Fn(f64) -> f64 + Sync)) -> Simulation<D> {
+        let Self { bond, angle, density, cells, width, center } = self;
+        let dx = 1.0 / cells as f64;
+        let side = 2 * (width * cells as f64).ceil() as usize;
+        let high = ((DEPTH + HEADSPACE) * cells as f64) as usize;
+        let grid = Grid::<D>::new(std::array::from_fn(|a| if a + 1 == D { high } else { side }), dx);
+        let level = initial_level();
+        let mut middle = grid.domain_upper() * 0.5;
+        middle[D - 1] = level + center;
+        let mut body = Solid::new(Shape::Ball { center: middle, radius: 1.0 }, Motion::Free, density);
+        body.young_cosine = angle.to_radians().cos();
+        let mut walls = [[Wall::Slip; 2]; D];
+        walls[D - 1][1] = Wall::Open;
+        let model = Model {
+            kinematic_viscosity: 1.0,
+            surface_tension: 1.0 / bond,
+            gravity: up(-1.0),
+            solids: vec![body],
+            ..unit_model(grid, walls)
+        };
+        let distance = |x: &Vector<D>| {
+            let mut arm = x - middle;
+            arm[D - 1] = 0.0;
+            let r = arm.norm();
+            // Height over the surface, as a distance.
+            let slope = (surface(r + 0.5 * dx) - surface((r - 0.5 * dx).abs())) / dx;
+            (x[D - 1] - level - surface(r)) / (1.0 + slope * slope).sqrt()
+        };
+        at_rest(model, &distance)
+    }
 }
 
 /// Initial height of the level.
@@ -212,8 +223,8 @@ fn floats_at(bond: f64, angle: f64, cells: usize, time: f64) -> Result<Vec<Check
     let Some(line) = cylinder.floating(2.0) else { return Ok(Vec::new()) };
     let (edge, length) = (line.polar.sin(), 1.0 / bond.sqrt());
     let surface = |r: f64| -line.depth * (-(r - edge).max(0.0) / length).exp();
-    let mut sim =
-        tank::<2>((bond, angle, 2.0), (cells, 6.0 * length), line.center + RELEASE_HEIGHT, &surface);
+    let center = line.center + RELEASE_HEIGHT;
+    let mut sim = Tank { bond, angle, density: 2.0, cells, width: 6.0 * length, center }.start::<2>(&surface);
     let height =
         |sim: &Simulation<2>| sim.state.solids[0].center[1] - undisturbed_level(sim, edge, line.depth);
     run_to(&mut sim, 0.75 * time, |_, _| ())?;
@@ -222,36 +233,25 @@ fn floats_at(bond: f64, angle: f64, cells: usize, time: f64) -> Result<Vec<Check
     let found = height(&sim);
     let what = |text: &str| format!("{text}, 2D, Bo = {bond}, θ = {angle}°, {cells} cells/R");
     Ok(vec![
-        Check::absolute(FLOATING, &what("centre / R"), found, line.center, 0.06, Some(0.02), ""),
-        at_most(
-            FLOATING,
-            &what("still moving in the last quarter / R"),
-            found - before,
-            0.02,
-            Some(0.005),
-            "",
-        ),
+        Check::absolute(FLOATING, what("centre / R"), found, line.center, bars(0.06, 0.02)),
+        at_most(FLOATING, what("still moving in the last quarter / R"), found - before, bars(0.02, 0.005)),
     ])
 }
 
 /// A solid `share` times as dense as the densest that floats, released in its equilibrium or in that of the densest one.
-fn floats_or_sinks(
-    bond: f64,
-    angle: f64,
-    share: f64,
-    (cells, time): (usize, f64),
-) -> Result<Check, StepError> {
+fn floats_or_sinks(bond: f64, angle: f64, share: f64, cells: usize, time: f64) -> Result<Check, StepError> {
     let cylinder = Cylinder { bond, angle: angle.to_radians() };
     let heaviest = cylinder.heaviest();
     let density = share * heaviest.force / (PI * bond);
     let line = cylinder.floating(density).unwrap_or(heaviest);
     let (edge, length) = (line.polar.sin(), 1.0 / bond.sqrt());
     let surface = |r: f64| -line.depth * (-(r - edge).max(0.0) / length).exp();
-    let mut sim = tank::<2>((bond, angle, density), (cells, 6.0 * length), line.center, &surface);
+    let mut sim =
+        Tank { bond, angle, density, cells, width: 6.0 * length, center: line.center }.start::<2>(&surface);
     run_to(&mut sim, time, |_, _| ())?;
     let floats = if sim.wetted_fraction(0) < 0.999 { 1.0 } else { 0.0 };
     let text = format!("floats, D = {share} D_max, 2D, Bo = {bond}, θ = {angle}°, {cells} cells/R");
-    Ok(Check::absolute(FLOATING, &text, floats, if share < 1.0 { 1.0 } else { 0.0 }, 0.0, None, ""))
+    Ok(Check::absolute(FLOATING, text, floats, if share < 1.0 { 1.0 } else { 0.0 }, bar(0.0)))
 }
 
 /// A sphere with Bo = 1 and 120 degrees; the positions of line and centre are those of the axisymmetric meniscus.
@@ -262,11 +262,13 @@ fn sphere_floats_at(cells: usize) -> Result<Vec<Check>, StepError> {
         let out = r.max(edge);
         -depth * (edge - out).exp() * (edge / out).sqrt()
     };
-    let mut sim = tank::<3>((1.0, 120.0, 2.0), (cells, 4.0), center + RELEASE_HEIGHT, &surface);
+    let tank =
+        Tank { bond: 1.0, angle: 120.0, density: 2.0, cells, width: 4.0, center: center + RELEASE_HEIGHT };
+    let mut sim = tank.start::<3>(&surface);
     run_to(&mut sim, 0.5 * TIME, |_, _| ())?;
     let found = sim.state.solids[0].center[2] - level_by_pressure(&sim);
     let text = format!("centre / R, 3D, Bo = 1, θ = 120°, {cells} cells/R");
-    Ok(vec![Check::absolute(FLOATING, &text, found, center, 0.06, Some(0.02), "")])
+    Ok(vec![Check::absolute(FLOATING, text, found, center, bars(0.06, 0.02))])
 }
 
 fn fixed_body(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -285,8 +287,8 @@ fn fixed_body(mode: Mode) -> Result<Vec<Check>, StepError> {
 fn force(angle: f64, height: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let (radius, tension, fall) = (0.5, 150.0, 981.0);
     let cylinder = Cylinder { bond: fall * radius * radius / tension, angle: f64::to_radians(angle) };
-    let mut sim =
-        tank::<2>((cylinder.bond, angle, 1.0), (cells, 6.0 / cylinder.bond.sqrt()), height, &|_| 0.0);
+    let (bond, width) = (cylinder.bond, 6.0 / cylinder.bond.sqrt());
+    let mut sim = Tank { bond, angle, density: 1.0, cells, width, center: height }.start::<2>(&|_| 0.0);
     sim.model.solids[0].motion = Motion::Fixed;
     // In units of R, ρ and g; forces in ρ g R².
     let mut mean = (0.0, 0.0);
@@ -308,16 +310,9 @@ fn force(angle: f64, height: f64, cells: usize) -> Result<Vec<Check>, StepError>
     let level = level_by_pressure(&sim);
     let displaced = (sim.model.grid.domain_upper()[0] * level - sim.diagnostics().volume) * scale;
     Ok(vec![
-        Check::relative(FORCE, &what("upward force"), found, expected, 0.02, Some(0.01), "dyn/cm"),
-        Check::relative(
-            FORCE,
-            &what("against the liquid displaced"),
-            found,
-            displaced,
-            0.02,
-            Some(0.01),
-            "dyn/cm",
-        ),
+        Check::relative(FORCE, what("upward force"), found, expected, bars(0.02, 0.01)).in_unit("dyn/cm"),
+        Check::relative(FORCE, what("against the liquid displaced"), found, displaced, bars(0.02, 0.01))
+            .in_unit("dyn/cm"),
     ])
 }
 

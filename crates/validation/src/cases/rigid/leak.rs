@@ -1,13 +1,12 @@
 //! A closed cup that is moved, tilted and shaken: leakage through its wall.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure};
+use crate::setup::{at_rest, block, unit_model, up};
 use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{
-    LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Repairs, Simulation, Solid, StepError, Wall,
-};
+use meniscus_sim::{Model, Motion, PrescribedMotion, Repairs, Simulation, Solid, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -30,8 +29,20 @@ pub const CASE: Case = Case {
 
 const NAME: &str = "leak";
 const STEPS: u64 = 1000;
-/// Thickness of the wall in cells, and whether it is padded for the liquid, as in scenes.
-const WALL_CASES: [(f64, bool); 3] = [(2.0, false), (2.0, true), (1.5, true)];
+/// The wall of a cup.
+#[derive(Clone, Copy)]
+struct CupWall {
+    /// Thickness in cells.
+    cells: f64,
+    /// Whether it is padded for the liquid, as in scenes.
+    padded: bool,
+}
+
+const WALLS: [CupWall; 3] = [
+    CupWall { cells: 2.0, padded: false },
+    CupWall { cells: 2.0, padded: true },
+    CupWall { cells: 1.5, padded: true },
+];
 /// Largest displacement of the keyframes along each axis, and time between them.
 const AMPLITUDE: f64 = 0.45;
 const KEYFRAME_INTERVAL: f64 = 0.5;
@@ -42,12 +53,12 @@ const MAX_DELETED_VOLUME: f64 = 0.01;
 
 fn run(mode: Mode) -> Vec<Check> {
     if mode == Mode::Quick {
-        return WALL_CASES
+        return WALLS
             .into_iter()
             .flat_map(|wall| checks_or_failure(NAME, check_shaken_cup::<2>(wall, 60.0)))
             .collect();
     }
-    let all = WALL_CASES.into_iter().flat_map(|wall| [60.0, 120.0].map(|angle| (wall, angle)));
+    let all = WALLS.into_iter().flat_map(|wall| [60.0, 120.0].map(|angle| (wall, angle)));
     let both = |(wall, angle)| [check_shaken_cup::<2>(wall, angle), check_shaken_cup::<3>(wall, angle)];
     all.flat_map(both).flat_map(|checks| checks_or_failure(NAME, checks)).collect()
 }
@@ -67,43 +78,36 @@ fn cup_path<const D: usize>() -> PrescribedMotion<D> {
     PrescribedMotion { velocity: Vector::zeros(), angular_velocity, keyframes }
 }
 
-/// The cup with a wall of the given thickness (cells), padded or not, and its liquid at a contact angle (degrees).
-fn start<const D: usize>((wall, padded): (f64, bool), angle: f64) -> Simulation<D> {
+/// The cup and its liquid at a contact angle (degrees).
+fn start<const D: usize>(wall: CupWall, angle: f64) -> Simulation<D> {
     // Cells per half-width of the cavity.
     let cells = if D == 2 { 12.0 } else { 8.0 };
     let dx = 1.0 / cells;
+    let thickness = wall.cells * dx;
     // Room for the diagonal, the motion, and three cells.
-    let half = (1.0 + wall * dx) * (D as f64).sqrt() + AMPLITUDE + 3.0 * dx;
+    let half = (1.0 + thickness) * (D as f64).sqrt() + AMPLITUDE + 3.0 * dx;
     let grid = Grid::<D>::new([2 * (half * cells).ceil() as usize; D], dx);
     let center = grid.domain_upper() * 0.5 + crate::setup::grid_offset(dx);
-    let shape = |half_size: f64| Shape::Box {
-        center,
-        half_size: Vector::repeat(half_size),
-        rotation: Matrix::identity(),
-    };
-    let hollow = Shape::Difference { of: Box::new(shape(1.0 + wall * dx)), minus: Box::new(shape(1.0)) };
+    let shape = |half_size: f64| block(center, Vector::repeat(half_size));
+    let hollow = Shape::Difference { of: Box::new(shape(1.0 + thickness)), minus: Box::new(shape(1.0)) };
     let cup = Solid::new(hollow, Motion::Prescribed(cup_path()), 1.0);
-    let mut cup = if padded { cup.padded(wall * dx, dx) } else { cup };
+    let mut cup = if wall.padded { cup.padded(thickness, dx) } else { cup };
     cup.young_cosine = angle.to_radians().cos();
     let model = Model {
-        grid,
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
         kinematic_viscosity: 0.01,
-        surface_tension: 1.0,
-        gravity: Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 }),
+        gravity: up(-1.0),
         solids: vec![cup],
-        numerics: Numerics::default(),
+        ..unit_model(grid, [[Wall::Slip; 2]; D])
     };
     // The part within the wall is cut off.
-    let inside = shape(1.0 + 0.5 * wall * dx);
+    let inside = shape(1.0 + 0.5 * wall.cells * dx);
     let distance = |x: &Vector<D>| (x[D - 1] - center[D - 1]).max(inside.signed_distance(x));
-    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
+    at_rest(model, &distance)
 }
 
-fn check_shaken_cup<const D: usize>(wall: (f64, bool), angle: f64) -> Result<Vec<Check>, StepError> {
+fn check_shaken_cup<const D: usize>(wall: CupWall, angle: f64) -> Result<Vec<Check>, StepError> {
     let mut sim = start::<D>(wall, angle);
-    let (wall, padded) = (wall.0, if wall.1 { ", padded" } else { "" });
+    let (padded, wall) = (if wall.padded { ", padded" } else { "" }, wall.cells);
     let full = sim.diagnostics().volume;
     let (mut outside, mut change): (f64, f64) = (0.0, 0.0);
     let mut repairs = Repairs::default();
@@ -118,24 +122,15 @@ fn check_shaken_cup<const D: usize>(wall: (f64, bool), angle: f64) -> Result<Vec
     Ok(vec![
         at_most(
             NAME,
-            &what("volume outside in the end"),
+            what("volume outside in the end"),
             volume_beyond_wall(&sim, wall) / full,
-            1e-6,
-            Some(0.0),
-            "",
+            bars(1e-6, 0.0),
         ),
-        at_most(NAME, &what("volume outside in any step"), outside, 1e-6, Some(0.0), ""),
-        at_most(NAME, &what("volume that came through"), repairs.leaked_volume / full, 1e-6, Some(0.0), ""),
-        at_most(
-            NAME,
-            &what("volume deleted"),
-            repairs.deleted_volume / full,
-            MAX_DELETED_VOLUME,
-            Some(0.0),
-            "",
-        ),
-        at_most(NAME, &what("change of the volume"), change, 1e-6, Some(1e-12), ""),
-        at_most(NAME, &what("volume lost with the last droplet"), lost, 1e-4, Some(1e-8), ""),
+        at_most(NAME, what("volume outside in any step"), outside, bars(1e-6, 0.0)),
+        at_most(NAME, what("volume that came through"), repairs.leaked_volume / full, bars(1e-6, 0.0)),
+        at_most(NAME, what("volume deleted"), repairs.deleted_volume / full, bars(MAX_DELETED_VOLUME, 0.0)),
+        at_most(NAME, what("change of the volume"), change, bars(1e-6, 1e-12)),
+        at_most(NAME, what("volume lost with the last droplet"), lost, bars(1e-4, 1e-8)),
     ])
 }
 
@@ -145,7 +140,7 @@ fn volume_beyond_wall<const D: usize>(sim: &Simulation<D>, wall: f64) -> f64 {
     let (cup, now) = (&sim.model.solids[0], &sim.state.solids[0]);
     let grid = sim.model.grid;
     let half_size = Vector::repeat(1.0 + wall * grid.dx);
-    let hull = Shape::Box { center: cup.mass_properties.center, half_size, rotation: Matrix::identity() };
+    let hull = block(cup.mass_properties.center, half_size);
     let outside = |x: &Vector<D>| hull.signed_distance(&cup.to_reference(now, x)) > 0.0;
     let row = grid.cells[0];
     let cells = sim

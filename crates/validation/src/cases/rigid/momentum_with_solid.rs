@@ -1,12 +1,12 @@
 //! Momentum of drops and of the free plate that they wet.
 
-use crate::measure::{at_most, checks_or_failure, volume_and_centroid_outside};
-use crate::setup::{grid_offset, run_to};
+use crate::measure::{at_most, bars, checks_or_failure, volume_and_centroid_outside};
+use crate::setup::{across_and_up, grid_offset, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector, rotation_planes};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -81,9 +81,9 @@ fn isolated<const D: usize>(pair: &Pair, cells: usize) -> Result<Vec<Check>, Ste
     })?;
     let what = |text: &str| format!("{text}, {D}D, {}, θ = {}°, {cells} cells/R", pair.text, pair.angle);
     Ok(vec![
-        at_most(NAME, &what("momentum / γLt"), linear, 1e-6, Some(1e-12), ""),
-        at_most(NAME, &what("angular momentum / γL²t"), angular, 1e-4, Some(1e-12), ""),
-        at_most(NAME, &what("way of the centre of mass / Δ"), centroid_deviation, 0.1, Some(0.01), ""),
+        at_most(NAME, what("momentum / γLt"), linear, bars(1e-6, 1e-12)),
+        at_most(NAME, what("angular momentum / γL²t"), angular, bars(1e-4, 1e-12)),
+        at_most(NAME, what("way of the centre of mass / Δ"), centroid_deviation, bars(0.1, 0.01)),
     ])
 }
 
@@ -106,21 +106,13 @@ fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
     (rotation[(0, 0)], rotation[(D - 1, D - 1)]) = (c, c);
     (rotation[(0, D - 1)], rotation[(D - 1, 0)]) = (-s, s);
     let center = grid.domain_upper() * 0.5 + grid_offset(dx);
-    let half_size = Vector::from_fn(|a, _| if a + 1 == D { HALF_THICKNESS } else { HALF_WIDTH });
+    let half_size = across_and_up(HALF_WIDTH, HALF_THICKNESS);
     let shape = Shape::Box { center, half_size, rotation };
     let mut plate = Solid::new(shape, Motion::Free, DENSITY);
     plate.young_cosine = pair.angle.to_radians().cos();
     plate.line_friction = pair.friction;
-    let model = Model {
-        grid,
-        walls: [[Wall::Open; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.1,
-        surface_tension: 1.0,
-        gravity: Vector::zeros(),
-        solids: vec![plate],
-        numerics: Numerics::default(),
-    };
+    let model =
+        Model { kinematic_viscosity: 0.1, solids: vec![plate], ..unit_model(grid, [[Wall::Open; 2]; D]) };
     let sides = [1.0, -1.0].into_iter().zip(pair.drops);
     let places: Vec<(f64, f64)> = sides.flat_map(|(side, at)| at.iter().map(move |x| (side, *x))).collect();
     let distances: Vec<_> = places

@@ -1,13 +1,13 @@
 //! Drops on plates that move through the grid.
 
 use crate::cases::wetting::sessile::{cap_radius, fit_cap, sessile_model};
-use crate::measure::{at_most, checks_or_failure};
-use crate::setup::run_to;
+use crate::measure::{at_most, bars, checks_or_failure};
+use crate::setup::{in_flight, run_to};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Motion, PrescribedMotion, Simulation, Solid, StepError};
+use meniscus_sim::{Motion, PrescribedMotion, Solid, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -38,7 +38,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
             let change = moving.iter().zip(&rest).map(|(m, r)| m - r);
             let worst = change.fold(0.0f64, |w, c| if c.abs() > w.abs() { c } else { w });
             let text = format!("change of the angle, {what}, θ = {angle}°, {cells} cells/R");
-            checks.push(at_most(NAME, &text, worst, 2.0, Some(1.0), "deg"));
+            checks.push(at_most(NAME, text, worst, bars(2.0, 1.0)).in_unit("deg"));
         }
     }
     Ok(checks)
@@ -64,8 +64,7 @@ fn angles_on(cells: usize, angle: f64, velocity: Vector<2>) -> Result<Vec<f64>, 
     let mut plate = Solid::new(Shape::HalfSpace { point, normal }, motion, 1.0);
     plate.young_cosine = young.cos();
     let start = |x: &Vector<2>| (x - point).norm() - 1.0;
-    let mut sim =
-        Simulation::new(sessile_model(grid, plate), &[LiquidRegion { signed_distance: &start, velocity }]);
+    let mut sim = in_flight(sessile_model(grid, plate), &start, velocity);
     let mut angles = Vec::new();
     for k in 0..=8 {
         run_to(&mut sim, TIME * (2.0 + f64::from(k) / 8.0) / 3.0, |_, _| ())?;

@@ -1,10 +1,11 @@
 //! Collisions and resting contacts of rigid solids without liquid.
 
-use crate::measure::{at_most, checks_or_failure};
-use crate::setup::run_to;
+use crate::measure::{at_most, bar, bars, checks_or_failure};
+use crate::setup::{across_and_up, run_to};
 use crate::solids_only::{GRAVITY, gravity, point_at, rigid_box, simulation_without_liquid};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
+use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{Motion, Simulation, Solid, StepError, overlaps};
 
@@ -54,7 +55,7 @@ fn ball<const D: usize>(center: Vector<D>, radius: f64, restitution: f64) -> Sol
 fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
     let (radius, height) = (0.1, 0.5);
     let solid = ball::<D>(point_at(0.5, radius + height), radius, restitution);
-    let mut simulation = simulation_without_liquid(([24; D], DX), vec![solid], gravity(), STEP);
+    let mut simulation = simulation_without_liquid(Grid::new([24; D], DX), vec![solid], gravity(), STEP);
     let speed = (2.0 * GRAVITY * height).sqrt();
     let fall = speed / GRAVITY;
     let (mut low, mut high, mut touched) = (f64::INFINITY, 0f64, 0.0);
@@ -80,15 +81,8 @@ fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
     let max_contact_time = 0.5 * DX / speed;
     let back = (high - floor) / (height - floor);
     Ok(vec![
-        Check::relative(NAME, &what("height of the rebound"), back, told, 0.01, Some(1e-3), ""),
-        at_most(
-            NAME,
-            &what("time of contact / (half a cell / speed)"),
-            touched / max_contact_time,
-            1.0,
-            None,
-            "",
-        ),
+        Check::relative(NAME, what("height of the rebound"), back, told, bars(0.01, 1e-3)),
+        at_most(NAME, what("time of contact / (half a cell / speed)"), touched / max_contact_time, bar(1.0)),
     ])
 }
 
@@ -102,22 +96,22 @@ fn cradle<const D: usize>(moving: usize) -> Result<Check, StepError> {
         })
         .collect();
     balls[..moving].iter_mut().for_each(|b| b.initial_velocity[0] = 1.0);
-    let mut simulation = simulation_without_liquid(([24; D], DX), balls, Vector::zeros(), STEP);
+    let mut simulation = simulation_without_liquid(Grid::new([24; D], DX), balls, Vector::zeros(), STEP);
     run_to(&mut simulation, 0.3, |_, _| ())?;
     let speed_errors = simulation.state.solids.iter().enumerate().map(|(k, now)| {
         let told = if k >= 5 - moving { 1.0 } else { 0.0 };
         (now.velocity[0] - told).abs()
     });
     let text = format!("cradle, {moving} of 5 balls, {D}D: error of the speeds");
-    Ok(at_most(NAME, &text, speed_errors.fold(0.0, f64::max), 0.02, Some(1e-3), ""))
+    Ok(at_most(NAME, text, speed_errors.fold(0.0, f64::max), bars(0.02, 1e-3)))
 }
 
 fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError> {
-    let half = Vector::<D>::from_fn(|a, _| if a + 1 == D { 0.04 } else { 0.2 });
+    let half = across_and_up::<D>(0.2, 0.04);
     let gap = 0.05 * DX;
     let place = |k: usize| point_at::<D>(0.5, gap + half[D - 1] + k as f64 * (2.0 * half[D - 1] + gap));
     let solids = (0..count).map(|k| rigid_box(place(k), half, Motion::Free)).collect();
-    let mut simulation = simulation_without_liquid::<D>(([24; D], DX), solids, gravity(), STEP);
+    let mut simulation = simulation_without_liquid::<D>(Grid::new([24; D], DX), solids, gravity(), STEP);
     let middle = |s: &Simulation<D>| s.state.solids.iter().map(|s| s.center).collect::<Vec<_>>();
     run_to(&mut simulation, 1.0, |_, _| ())?;
     let start = middle(&simulation);
@@ -134,13 +128,11 @@ fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError> {
     Ok(vec![
         at_most(
             NAME,
-            &what("tower of ten: drift in 2 s / height"),
+            what("tower of ten: drift in 2 s / height"),
             drift / (2.0 * half[D - 1]),
-            1e-3,
-            Some(1e-6),
-            "",
+            bars(1e-3, 1e-6),
         ),
-        at_most(NAME, &what("tower of ten: speed / g h"), fastest / (GRAVITY * STEP), 0.05, Some(1e-6), ""),
-        at_most(NAME, &what("tower of ten: deepest overlap / cell"), deepest / DX, 0.0, None, ""),
+        at_most(NAME, what("tower of ten: speed / g h"), fastest / (GRAVITY * STEP), bars(0.05, 1e-6)),
+        at_most(NAME, what("tower of ten: deepest overlap / cell"), deepest / DX, bar(0.0)),
     ])
 }

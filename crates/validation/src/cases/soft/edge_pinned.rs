@@ -6,16 +6,14 @@
 //! angle varies by a tenth of the tension, with jumps, as its line moves through a cell. The case has the tolerances of a drop at rest;
 //! it is not part of `verify --quick`.
 
-use crate::measure::{TimeMean, at_most, checks_or_failure, external_load, liquid_force};
-use crate::setup::run_to;
+use crate::measure::{TimeMean, at_most, bars, checks_or_failure, external_load, liquid_force};
+use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check};
-use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
-use std::sync::Arc;
+use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -88,9 +86,9 @@ impl PinnedDrop {
         })?;
         let plate = if self.soft { "soft" } else { "rigid" };
         let what = |text: &str| format!("{text}, {plate} plate, {}°", self.apparent);
-        let zero = |text: &str, value: f64| at_most(NAME, &what(text), value, 0.02, Some(0.01), "");
+        let zero = |text: &str, value: f64| at_most(NAME, what(text), value, bars(0.02, 0.01));
         let mut checks = vec![
-            Check::relative(NAME, &what("force over weight"), up.mean(), 1.0, 0.02, Some(0.01), ""),
+            Check::relative(NAME, what("force over weight"), up.mean(), 1.0, bars(0.02, 0.01)),
             zero("force along the plate over weight", along.mean()),
             zero("deviation of the force over time", up.deviation().hypot(along.deviation())),
         ];
@@ -105,44 +103,31 @@ impl PinnedDrop {
         let dx = MM / CELLS as f64;
         let angle = self.apparent.to_radians();
         let radius = HALF_WIDTH / angle.sin();
-        let shape = Shape::Box {
-            center: Vector::<2>::new(TOP[0], TOP[1] - 0.5 * THICKNESS),
-            half_size: Vector::<2>::new(HALF_WIDTH, 0.5 * THICKNESS),
-            rotation: Matrix::identity(),
-        };
-        let motion = if self.soft { elastic(&shape, dx / 1.5)? } else { Motion::Fixed };
-        let mut plate = Solid::new(shape, motion, DENSITY);
+        let shape = block(
+            Vector::<2>::new(TOP[0], TOP[1] - 0.5 * THICKNESS),
+            Vector::<2>::new(HALF_WIDTH, 0.5 * THICKNESS),
+        );
+        let mut plate =
+            if self.soft { soft_plate(shape, dx / 1.5)? } else { Solid::new(shape, Motion::Fixed, DENSITY) };
         let young = 0.5 * (self.apparent + (self.apparent - 90.0).max(0.0));
         plate.young_cosine = young.to_radians().cos();
         plate.line_friction = 0.3;
         let model = Model {
-            grid: Grid::<2>::new([12 * CELLS, 12 * CELLS], dx),
-            walls: [[Wall::Slip; 2]; 2],
             density: LIQUID_DENSITY,
             kinematic_viscosity: 1e-4,
             surface_tension: TENSION,
             gravity: Vector::<2>::new(0.0, -BOND * TENSION / (LIQUID_DENSITY * radius * radius)),
             solids: vec![plate],
-            numerics: Numerics::default(),
+            ..unit_model(Grid::<2>::new([12 * CELLS, 12 * CELLS], dx), [[Wall::Slip; 2]; 2])
         };
         let center = Vector::<2>::new(TOP[0], TOP[1] - radius * angle.cos());
         let cap = move |x: &Vector<2>| ((x - center).norm() - radius).max(TOP[1] - x[1]);
-        Ok(Simulation::new(model, &[LiquidRegion { signed_distance: &cap, velocity: Vector::zeros() }]))
+        Ok(at_rest(model, &cap))
     }
 }
 
-/// The motion of the deformable plate, on a mesh with edges of the given length, m.
-fn elastic(shape: &Shape<2>, edge: f64) -> Result<Motion<2>, StepError> {
-    let mesh = VolumeMesh::of_shape(shape, edge, ElementOrder::Quadratic).unwrap_or_default();
+/// The deformable plate, on a mesh with edges of the given length, m.
+fn soft_plate(shape: Shape<2>, edge: f64) -> Result<Solid<2>, StepError> {
     let held = |x: &Vector<2>| (x[0] - TOP[0]).abs() <= CLAMP_HALF_WIDTH && x[1] <= TOP[1] - 0.5 * THICKNESS;
-    let anchors = vec![Anchor::within(&mesh, held)];
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: 10e6,
-        poisson_ratio: 0.3,
-        order: ElementOrder::Quadratic,
-    };
-    let damping_ratio = 0.1;
-    let plate = Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors });
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
-    plate.map(|plate| Motion::Soft(Arc::new(plate))).map_err(failed)
+    SoftMaterial { young: 10e6, poisson: 0.3, density: DENSITY, damping: 0.1 }.solid(shape, edge, held)
 }

@@ -1,8 +1,8 @@
 //! A drop pinned at the ends of a sheet.
 
 use crate::elastica::{Sheet, Unknowns};
-use crate::measure::checks_or_failure;
-use crate::plate::{Plate, PlateSetup, PlateSupport};
+use crate::measure::{bars, bisect, checks_or_failure};
+use crate::plate::{Plate, PlateSetup};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
 
@@ -34,15 +34,30 @@ const DRYING_AREAS: [f64; 2] = [0.2, 0.08];
 const DRYING_TIME: [f64; 2] = [40.0, 10.0];
 /// Distance between the ends over l at which the sheet is closing: half of that of the last open state.
 const CLOSED_GAP_RATIO: f64 = 0.3;
-/// l/L, A/l², and for the sheet without thickness: p l/γ, κ l in the middle, angle of the liquid with the sheet (degrees).
-const SHAPES: [(f64, f64, f64, f64, f64); 7] = [
-    (3.0, 0.2, 1.20033, 2.50209, 76.77),
-    (2.0, 0.1, 0.73628, 0.57756, 32.26),
-    (2.0, 0.3, 1.91670, 1.01586, 88.07),
-    (3.0, 0.1, 0.17480, 1.44347, 31.15),
-    (4.0, 0.3, 2.41839, 2.96560, 126.62),
-    (4.0, 0.2, 1.92459, 4.06673, 111.70),
-    (5.0, 0.2, 2.65753, 4.36529, 130.49),
+/// A folded sheet.
+struct Folded {
+    /// l/L.
+    ratio: f64,
+    /// A/l².
+    area: f64,
+    /// For the sheet without thickness: p l/γ, κ l in the middle, and the angle of the liquid with the sheet, degrees.
+    pressure: f64,
+    curvature: f64,
+    apparent: f64,
+}
+
+const fn folded(ratio: f64, area: f64, pressure: f64, curvature: f64, apparent: f64) -> Folded {
+    Folded { ratio, area, pressure, curvature, apparent }
+}
+
+const SHAPES: [Folded; 7] = [
+    folded(3.0, 0.2, 1.20033, 2.50209, 76.77),
+    folded(2.0, 0.1, 0.73628, 0.57756, 32.26),
+    folded(2.0, 0.3, 1.91670, 1.01586, 88.07),
+    folded(3.0, 0.1, 0.17480, 1.44347, 31.15),
+    folded(4.0, 0.3, 2.41839, 2.96560, 126.62),
+    folded(4.0, 0.2, 1.92459, 4.06673, 111.70),
+    folded(5.0, 0.2, 2.65753, 4.36529, 130.49),
 ];
 
 fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
@@ -56,7 +71,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         let mut plate = plate_setup(cells, part * CLOSING_THRESHOLD, DRYING_AREAS[0]).start()?;
         let closed = closes_up(&mut plate)?;
         let text = format!("closes at {part} times the threshold, {cells} cells a unit");
-        checks.push(Check::absolute(NAME, &text, f64::from(u8::from(closed)), closes, 0.0, Some(0.0), ""));
+        checks.push(Check::absolute(NAME, text, f64::from(u8::from(closed)), closes, bars(0.0, 0.0)));
     }
     Ok(checks)
 }
@@ -65,59 +80,42 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 fn plate_setup(cells: usize, ratio: f64, area: f64) -> PlateSetup {
     let initial_angle = cap_angle(area);
     PlateSetup {
-        cells,
-        angle: initial_angle - ANGLE_MARGIN_DEGREES,
         initial_angle,
         length: LENGTH,
         thickness: 4.0 / cells as f64,
         bending: (LENGTH / ratio).powi(2),
-        poisson: 0.3,
-        own_tension: 0.0,
-        density: 1.0,
         damping: 1.0,
         area: area * LENGTH * LENGTH,
-        drop_offset: 0.0,
         viscosity: 0.5,
-        support: PlateSupport::Free,
         domain_and_plate_height: [5.6, 2.2],
+        ..PlateSetup::free(cells, initial_angle - ANGLE_MARGIN_DEGREES)
     }
 }
 
 /// The angle, degrees, of a cap from the ratio of its area to the square of its width.
 fn cap_angle(area: f64) -> f64 {
     let over = |angle: f64| (angle - angle.sin() * angle.cos()) / (2.0 * angle.sin()).powi(2);
-    let (mut low, mut high) = (1e-3, 3.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if over(middle) < area { low = middle } else { high = middle }
-    }
-    low.to_degrees()
+    bisect([1e-3, 3.0], 60, |angle| over(angle) < area)[0].to_degrees()
 }
 
-fn shape(
-    cells: usize,
-    &(ratio, area, p, curvature, apparent): &(f64, f64, f64, f64, f64),
-) -> Result<Vec<Check>, StepError> {
-    let setting = plate_setup(cells, ratio, area);
-    let Some(told) = theoretical_ends(&setting, (p / LENGTH, curvature / LENGTH, apparent)) else {
-        return Ok(Vec::new());
-    };
+fn shape(cells: usize, row: &Folded) -> Result<Vec<Check>, StepError> {
+    let Folded { ratio, area, .. } = row;
+    let setting = plate_setup(cells, *ratio, *area);
+    let Some(told) = theoretical_ends(&setting, row) else { return Ok(Vec::new()) };
     let mut plate = setting.start()?;
     let x = plate.mean_over_last_fifth(20.0, |p| p.ends()[0])?;
     let y = plate.ends()[1];
     let text = |what: &str| format!("{what} of the ends, l/L = {ratio}, A/l² = {area}, {cells} cells a unit");
     let check = |what: &str, value: f64, told: f64| {
         let (value, told) = (value / LENGTH, told / LENGTH);
-        Check::relative(NAME, &text(what), value, told, 0.05, Some(0.02), "l")
+        Check::relative(NAME, text(what), value, told, bars(0.05, 0.02)).in_unit("l")
     };
     Ok(vec![check("place along", x, told[0]), check("height", y, told[1])])
 }
 
-/// Theoretical positions of the ends; `row` has pressure, curvature and angle without thickness.
-fn theoretical_ends(
-    setting: &PlateSetup,
-    (pressure, curvature, apparent): (f64, f64, f64),
-) -> Option<[f64; 2]> {
+/// Theoretical positions of the ends.
+fn theoretical_ends(setting: &PlateSetup, row: &Folded) -> Option<[f64; 2]> {
+    let (pressure, curvature) = (row.pressure / LENGTH, row.curvature / LENGTH);
     let (bending, half_length) = (setting.bending, 0.5 * LENGTH);
     let (thickness, area, angle) = (setting.thickness, setting.area, setting.angle);
     let sheet = Sheet { bending, thickness, area, angle, pinned_half_length: Some(half_length) };
@@ -130,7 +128,7 @@ fn theoretical_ends(
         curvature,
         half_length,
     });
-    let right = |g: &&Unknowns| thin.shape(g).is_some_and(|s| (s.apparent - apparent).abs() < 0.1);
+    let right = |g: &&Unknowns| thin.shape(g).is_some_and(|s| (s.apparent - row.apparent).abs() < 0.1);
     sheet.shape(guesses.iter().find(right)?).map(|s| s.end)
 }
 

@@ -1,14 +1,14 @@
 //! A heavy deformable plate carried by the surface: the paper's Fig. 21.
 
-use crate::measure::checks_or_failure;
-use crate::setup::run_to;
+use crate::measure::{bars, checks_or_failure};
+use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::not_made;
 use crate::{Case, Check};
-use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Solid, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -139,8 +139,7 @@ fn run() -> Result<Vec<Check>, StepError> {
     let level = INITIAL_LEVEL + DENSITY * THICKNESS * (PLATE_HALF_WIDTH / TANK_HALF_WIDTH).powi(2);
     let middle = Vector::<3>::new(TANK_HALF_WIDTH, TANK_HALF_WIDTH, level - depth - 0.5 * THICKNESS);
     let half_size = Vector::<3>::new(PLATE_HALF_WIDTH, PLATE_HALF_WIDTH, 0.5 * THICKNESS);
-    let shape = Shape::Box { center: middle, half_size, rotation: Matrix::identity() };
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
+    let shape = block(middle, half_size);
     let description = ElasticSpecification {
         mesh: VolumeMesh::of_shape(&shape, DX / 1.5, ElementOrder::Linear).unwrap_or_default(),
         density: DENSITY,
@@ -148,22 +147,18 @@ fn run() -> Result<Vec<Check>, StepError> {
         damping_ratio: 0.1,
         anchors: Vec::new(),
     };
-    let elastic = Elastic::new(description).map_err(failed)?;
+    let elastic = Elastic::new(description).map_err(not_made)?;
     let mut plate = Solid::new(shape, Motion::Soft(Arc::new(elastic)), DENSITY);
     (plate.young_cosine, plate.line_friction) = (-0.2, 3.0);
     let model = Model {
-        grid: Grid::<3>::new([96, 96, 80], DX),
-        walls: [[Wall::Slip; 2]; 3],
-        density: 1.0,
         kinematic_viscosity: 0.5,
         surface_tension: TENSION,
         gravity: Vector::<3>::new(0.0, 0.0, -GRAVITY),
         solids: vec![plate],
-        numerics: Numerics::default(),
+        ..unit_model(Grid::<3>::new([96, 96, 80], DX), [[Wall::Slip; 2]; 3])
     };
     let bath = |x: &Vector<3>| x[2] - level + dimple.depth(x[0] - TANK_HALF_WIDTH, x[1] - TANK_HALF_WIDTH);
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &bath, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &bath);
     let (mut sum, mut time, mut last) = (0.0, 0.0, 0.0);
     run_to(&mut sim, AVERAGING_END, |sim, _| {
         let step = sim.state.time - last;
@@ -174,7 +169,7 @@ fn run() -> Result<Vec<Check>, StepError> {
         }
     })?;
     let what = "depth of the upper face";
-    Ok(vec![Check::relative(NAME, what, sum / time, depth, 0.1, Some(0.04), "cm")])
+    Ok(vec![Check::relative(NAME, what, sum / time, depth, bars(0.1, 0.04)).in_unit("cm")])
 }
 
 #[cfg(test)]

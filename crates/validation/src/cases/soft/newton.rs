@@ -1,11 +1,12 @@
 //! Newton iterations of steps in which a deformable solid rotates far.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure, soft_motion};
+use crate::setup::{block, unit_model};
+use crate::soft::{SoftMaterial, not_made};
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_elastic::ElementOrder;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
 use std::sync::Arc;
@@ -39,18 +40,15 @@ fn spinning<const D: usize>() -> Result<Vec<Check>, StepError> {
     let (few, more) = (angular_momentum_drift::<D>(0)?, angular_momentum_drift::<D>(8)?);
     let what = |text: &str| format!("change of the angular momentum, {text}, {D}D");
     Ok(vec![
-        at_most(NAME, &what("as it comes"), few, 1e-6, Some(1e-9), ""),
-        at_most(NAME, &what("8 iterations"), more, 1e-9, Some(1e-9), ""),
+        at_most(NAME, what("as it comes"), few, bars(1e-6, 1e-9)),
+        at_most(NAME, what("8 iterations"), more, bars(1e-9, 1e-9)),
     ])
 }
 
 /// Largest relative change of the angular momentum.
 fn angular_momentum_drift<const D: usize>(iterations: u32) -> Result<f64, StepError> {
     let mut sim = start::<D>(iterations)?;
-    let turning = |sim: &Simulation<D>| {
-        let soft = sim.model.solids[0].elastic().zip(sim.state.solids[0].soft.as_ref());
-        soft.map_or(Vector::<3>::zeros(), |(e, soft)| Vector::from(e.angular_momentum(&soft.state)))
-    };
+    let turning = |sim: &Simulation<D>| soft_motion(sim, 0).angular_momentum;
     let before = turning(&sim);
     let mut most = 0f64;
     for _ in 0..STEPS {
@@ -65,25 +63,14 @@ fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     let (center, half) = (Vector::repeat(1.0), Vector::from_fn(|a, _| if a == 0 { 0.5 } else { 0.25 }));
     let mesh = VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125, ElementOrder::Quadratic)
         .unwrap_or_default();
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: 1e3,
-        poisson_ratio: 0.3,
-        order: ElementOrder::Quadratic,
-    };
-    let anchors = Vec::new();
-    let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
-    let elastic = Arc::new(Elastic::new(description).map_err(failed)?);
-    let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
+    let material = SoftMaterial { young: 1e3, poisson: 0.3, density: 1.0, damping: 0.0 };
+    let elastic = Arc::new(material.elastic(mesh, Vec::new()).map_err(not_made)?);
+    let shape = block(center, half);
     let model = Model {
-        grid: Grid::<D>::new([20; D], 0.1),
-        walls: [[Wall::Open; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.0,
         surface_tension: 0.0,
-        gravity: Vector::zeros(),
         solids: vec![Solid::new(shape, Motion::Soft(elastic), 1.0)],
         numerics: Numerics { max_step: STEP, newton_iterations: iterations, ..Numerics::default() },
+        ..unit_model(Grid::<D>::new([20; D], 0.1), [[Wall::Open; 2]; D])
     };
     let mut sim = Simulation::new(model, &[]);
     if let Some(soft) = &mut sim.state.solids[0].soft {

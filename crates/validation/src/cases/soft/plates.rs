@@ -1,12 +1,10 @@
 //! Drops on deformable solids, against plate theory.
 
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bars, checks_or_failure, line_tracker, soft_motion};
 use crate::plate::{Plate, PlateSetup, PlateSupport};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_numerics::Vector;
-use meniscus_sim::{LineTracker, Simulation, StepError};
-use std::f64::consts::FRAC_PI_2;
+use meniscus_sim::{Simulation, StepError};
 
 /// Drops that bend plates.
 pub const KINK: Case = Case {
@@ -50,45 +48,28 @@ fn kinks(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for &thick in layers {
         for &angle in angles {
-            for support in [PlateSupport::Free, PlateSupport::LeftEnd] {
-                let thickness = thick / cells as f64;
-                let (length, drop_offset) =
-                    if support == PlateSupport::LeftEnd { (6.0, 0.5) } else { (5.6, 0.0) };
+            for (support, length, drop_offset, time, what) in [
+                (PlateSupport::Free, 5.6, 0.0, 10.0, "bend of a free plate"),
+                (PlateSupport::LeftEnd, 6.0, 0.5, 30.0, "slope of a cantilever's tip"),
+            ] {
                 let setting = PlateSetup {
-                    cells,
-                    angle,
-                    initial_angle: angle,
                     length,
-                    thickness,
+                    thickness: thick / cells as f64,
                     bending: 20.0,
-                    poisson: 0.3,
-                    own_tension: 0.0,
-                    density: 1.0,
-                    damping: 0.3,
-                    area: FRAC_PI_2,
                     drop_offset,
                     viscosity: 0.15,
                     support,
-                    domain_and_plate_height: [4.0, 1.4],
+                    ..PlateSetup::free(cells, angle)
                 };
                 let a = setting.half_width(angle);
                 let exact = 2.0 / 3.0 * angle.to_radians().sin() * a * a / 20.0;
-                let mut plate = setting.start()?;
                 let (end, left, right) = (0.5 * length, drop_offset - a - 0.2, drop_offset + a + 0.2);
-                let bend = |p: &Plate| p.slope(right, end) - p.slope(-end, left);
-                let tip = |p: &Plate| p.slope(right, end);
-                let value = if support == PlateSupport::LeftEnd {
-                    plate.mean_over_last_fifth(30.0, tip)?
-                } else {
-                    plate.mean_over_last_fifth(10.0, bend)?
-                };
-                let what = if support == PlateSupport::LeftEnd {
-                    "slope of a cantilever's tip"
-                } else {
-                    "bend of a free plate"
-                };
+                let value = setting.start()?.mean_over_last_fifth(time, |p| {
+                    let tip = p.slope(right, end);
+                    if support == PlateSupport::LeftEnd { tip } else { tip - p.slope(-end, left) }
+                })?;
                 let text = format!("{what}, {thick} cells thick, θ = {angle}°, {cells} cells/R");
-                checks.push(Check::relative("soft-kink", &text, value, exact, 0.08, Some(0.03), ""));
+                checks.push(Check::relative("soft-kink", text, value, exact, bars(0.08, 0.03)));
             }
         }
     }
@@ -102,32 +83,24 @@ fn strip(mode: Mode) -> Result<Vec<Check>, StepError> {
     for &angle in angles {
         let time = 10.0;
         let setting = PlateSetup {
-            cells,
-            angle,
-            initial_angle: angle,
-            length: 5.0,
             thickness: 4.0 / cells as f64,
             bending: 5.5,
-            poisson: 0.3,
-            own_tension: 0.0,
-            density: 1.0,
-            damping: 0.3,
-            area: FRAC_PI_2,
             drop_offset: 0.4,
             viscosity: 0.02,
-            support: PlateSupport::Free,
-            domain_and_plate_height: [4.0, 1.4],
+            ..PlateSetup::free(cells, angle)
         };
         let Plate { mut sim, .. } = setting.start()?;
         let sums = |sim: &Simulation<2>| {
             let (books, now) = (sim.diagnostics(), &sim.state.solids[0]);
-            let own = sim.model.solids[0].elastic().zip(now.soft.as_ref());
-            let (p, l, mass) = own.map_or((Vector::zeros(), 0.0, 0.0), |(e, soft)| {
-                (e.momentum(&soft.state), e.angular_momentum(&soft.state)[2], e.masses().iter().sum())
-            });
+            let own = soft_motion(sim, 0);
+            let mass = own.mass;
             let center =
                 (books.centroid * books.target_volume + now.center * mass) / (books.target_volume + mass);
-            ((books.momentum + p).norm(), (books.angular_momentum[2] + l).abs(), center)
+            (
+                (books.momentum + own.momentum).norm(),
+                (books.angular_momentum[2] + own.angular_momentum[2]).abs(),
+                center,
+            )
         };
         let (first, dx) = (sums(&sim).2, sim.model.grid.dx);
         let (mut linear, mut angular, mut wander) = (0f64, 0f64, 0f64);
@@ -138,9 +111,9 @@ fn strip(mode: Mode) -> Result<Vec<Check>, StepError> {
         })?;
         let what = |text: &str| format!("{text}, θ = {angle}°, {cells} cells/R");
         checks.extend([
-            at_most("soft-strip", &what("momentum / γt"), linear, 1e-8, Some(1e-12), ""),
-            at_most("soft-strip", &what("angular momentum / γRt"), angular, 1e-3, Some(1e-12), ""),
-            at_most("soft-strip", &what("way of the centre of mass / Δ"), wander, 0.1, Some(0.01), ""),
+            at_most("soft-strip", what("momentum / γt"), linear, bars(1e-8, 1e-12)),
+            at_most("soft-strip", what("angular momentum / γRt"), angular, bars(1e-3, 1e-12)),
+            at_most("soft-strip", what("way of the centre of mass / Δ"), wander, bars(0.1, 0.01)),
         ]);
     }
     Ok(checks)
@@ -155,31 +128,21 @@ fn stiff(mode: Mode) -> Result<Vec<Check>, StepError> {
     for &angle in angles {
         let contact = |support: PlateSupport| {
             let setting = PlateSetup {
-                cells,
-                angle,
                 initial_angle: 90.0,
-                length: 5.0,
                 thickness: 6.0 / cells as f64,
                 bending: 1e5,
-                poisson: 0.3,
-                own_tension: 0.0,
-                density: 1.0,
-                damping: 0.3,
-                area: FRAC_PI_2,
-                drop_offset: 0.0,
-                viscosity: 0.3,
                 support,
-                domain_and_plate_height: [4.0, 1.4],
+                ..PlateSetup::free(cells, angle)
             };
             let mut plate = setting.start()?;
-            let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
+            let tracker = line_tracker(&plate.sim);
             plate.mean_over_last_fifth(15.0, |p| {
                 tracker.extract(&p.sim).angle_statistics(None).map_or(0.0, |a| a.0)
             })
         };
         let (soft, rigid) = (contact(PlateSupport::Bottom)?, contact(PlateSupport::Rigid)?);
         let text = format!("contact angle, θ = {angle}°, {cells} cells/R");
-        checks.push(Check::absolute("soft-stiff", &text, soft, rigid, 1.0, Some(0.5), "°"));
+        checks.push(Check::absolute("soft-stiff", text, soft, rigid, bars(1.0, 0.5)).in_unit("°"));
     }
     Ok(checks)
 }

@@ -1,6 +1,6 @@
 //! Impact of a drop on a deformable plate at three resolutions, as in the paper's Fig. 14.
 
-use crate::measure::at_least;
+use crate::measure::{at_least, bar, line_tracker};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
@@ -39,8 +39,8 @@ fn run(_: Mode) -> Vec<Check> {
     let between = |k: usize| format!("{}² and {}²", RESOLUTIONS[k], RESOLUTIONS[k + 1]);
     let text = |k: usize| format!("contact points of {}, in cells of the coarsest", between(k));
     vec![
-        Check::absolute(NAME, &text(0), first, 0.0, 1.0, None, ""),
-        Check::absolute(NAME, &text(1), second, 0.0, 0.5, None, ""),
+        Check::absolute(NAME, text(0), first, 0.0, bar(1.0)),
+        Check::absolute(NAME, text(1), second, 0.0, bar(0.5)),
         at_least(NAME, "the first over the second", first / second, 2.0, 2.0),
     ]
 }
@@ -50,7 +50,7 @@ fn history(cells: usize) -> Option<History> {
     let sets = vec![format!("domain.resolution={cells}")];
     let scene = builtin::open("fig14-soft-plate", &LoadOptions { sets, ..LoadOptions::default() }).ok()?;
     let AnySimulation::D2(mut sim) = AnySetup::of(&scene).ok()?.simulation() else { return None };
-    let tracker = LineTracker::new(&sim.model, &[sim.model.grid.dx / 1.5]);
+    let tracker = line_tracker(&sim);
     let mut history = History::new();
     for k in 1..=TIMES {
         run_to(&mut sim, END * k as f64 / TIMES as f64, |_, _| ()).ok()?;

@@ -1,16 +1,14 @@
 //! The bending moment of a beam that carries a drop, against statics.
 
-use crate::measure::{TimeMean, checks_or_failure, external_load, liquid_force};
-use crate::setup::run_to;
+use crate::measure::{TimeMean, bars, checks_or_failure, external_load, liquid_force};
+use crate::plate::vertices_at_height;
+use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Hysteresis, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
-use std::sync::Arc;
+use meniscus_sim::{Hysteresis, Model, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -94,14 +92,14 @@ impl DropCase {
             .map(|&place| {
                 let text = what(&format!("moment at s = {} mm", place / MM));
                 let told = means.static_moment(place);
-                Check::relative(NAME, &text, means.bending_moment(place), told, 0.03, Some(0.01), "N")
+                Check::relative(NAME, text, means.bending_moment(place), told, bars(0.03, 0.01)).in_unit("N")
             })
             .collect();
         let torque = weight * (center - CLAMP_END);
         let (found, text) = (-means.moment.mean(), what("moment of the liquid about the clamp"));
-        checks.push(Check::relative(NAME, &text, found, torque, 0.03, Some(0.01), "N"));
+        checks.push(Check::relative(NAME, text, found, torque, bars(0.03, 0.01)).in_unit("N"));
         let (found, text) = (-means.force.mean(), what("force of the liquid"));
-        checks.push(Check::relative(NAME, &text, found, weight, 0.02, Some(0.01), "N/m"));
+        checks.push(Check::relative(NAME, text, found, weight, bars(0.02, 0.01)).in_unit("N/m"));
         Ok(checks)
     }
 
@@ -131,57 +129,36 @@ impl DropCase {
 
     fn start(&self, cells: usize) -> Result<Simulation<2>, StepError> {
         let dx = MM / cells as f64;
-        let shape = Shape::Box {
-            center: Vector::<2>::new(0.5 * (BEAM[0] + BEAM[1]), BEAM_BOTTOM + 0.5 * THICKNESS),
-            half_size: Vector::<2>::new(0.5 * (BEAM[1] - BEAM[0]), 0.5 * THICKNESS),
-            rotation: Matrix::identity(),
-        };
-        let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
-        let anchors = vec![Anchor::within(&mesh, |x| x[0] <= CLAMP_END)];
-        let law = ConstitutiveLaw::NeoHookean {
-            young_modulus: YOUNG,
-            poisson_ratio: POISSON,
-            order: ElementOrder::Quadratic,
-        };
-        let damping_ratio = self.damping;
-        let elastic =
-            Elastic::new(ElasticSpecification { mesh, density: DENSITY, law, damping_ratio, anchors });
-        let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: 0.0, reason: e.to_string() };
-        let mut beam = Solid::new(shape, Motion::Soft(Arc::new(elastic.map_err(failed)?)), DENSITY);
+        let shape = block(
+            Vector::<2>::new(0.5 * (BEAM[0] + BEAM[1]), BEAM_BOTTOM + 0.5 * THICKNESS),
+            Vector::<2>::new(0.5 * (BEAM[1] - BEAM[0]), 0.5 * THICKNESS),
+        );
+        let material =
+            SoftMaterial { young: YOUNG, poisson: POISSON, density: DENSITY, damping: self.damping };
+        let mut beam = material.solid(shape, dx / 1.5, |x| x[0] <= CLAMP_END)?;
         beam.young_cosine = self.angle.to_radians().cos();
         beam.line_friction = 0.3;
         beam.hysteresis = self.hysteresis.map(|by| Hysteresis::Around([by.to_radians(); 2]));
         let model = Model {
-            grid: Grid::<2>::new([14 * cells, 8 * cells], dx),
-            walls: [[Wall::Slip; 2]; 2],
             density: LIQUID_DENSITY,
             kinematic_viscosity: 1e-6,
             surface_tension: 72.8e-3,
             gravity: Vector::<2>::new(0.0, -GRAVITY),
             solids: vec![beam],
-            numerics: Numerics::default(),
+            ..unit_model(Grid::<2>::new([14 * cells, 8 * cells], dx), [[Wall::Slip; 2]; 2])
         };
         let center = Vector::<2>::new(6.0 * MM, 5.05 * MM);
         let ball = move |x: &Vector<2>| (x - center).norm() - MM;
-        Ok(Simulation::new(model, &[LiquidRegion { signed_distance: &ball, velocity: Vector::zeros() }]))
+        Ok(at_rest(model, &ball))
     }
 }
 
 /// Positions along the beam at rest, in order, and the vertices of the upper and the lower side there.
 fn middle_line(sim: &Simulation<2>) -> Vec<(f64, [usize; 2])> {
     let Some(elastic) = sim.model.solids[0].elastic() else { return Vec::new() };
-    let side = |height: f64| {
-        let on =
-            elastic.rest_mesh().positions.iter().enumerate().filter(|(_, x)| (x[1] - height).abs() < 1e-9);
-        let mut on: Vec<(f64, usize)> = on.map(|(k, x)| (x[0], k)).collect();
-        on.sort_by(|a, b| a.0.total_cmp(&b.0));
-        on
-    };
-    side(BEAM_BOTTOM + THICKNESS)
-        .into_iter()
-        .zip(side(BEAM_BOTTOM))
-        .map(|((s, top), (_, bottom))| (s, [top, bottom]))
-        .collect()
+    let side = |height: f64| vertices_at_height(&elastic.rest_mesh().positions, height, 0.0);
+    let pairs = side(BEAM_BOTTOM + THICKNESS).into_iter().zip(side(BEAM_BOTTOM));
+    pairs.map(|((top, s), (bottom, _))| (s, [top, bottom])).collect()
 }
 
 impl Means {

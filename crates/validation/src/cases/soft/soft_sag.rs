@@ -1,15 +1,12 @@
 //! A drop at rest on a deformable plate that its weight bends, with contact-line friction.
 
-use crate::measure::checks_or_failure;
-use crate::setup::run_to;
+use crate::measure::{bars, checks_or_failure, line_tracker};
+use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
-use std::sync::Arc;
+use meniscus_sim::{Model, Numerics, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -38,8 +35,8 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 fn check(step: f64) -> Result<Check, StepError> {
-    let mut sim = start(step);
-    let tracker = LineTracker::new(&sim.model, &[DX / 1.5]);
+    let mut sim = start(step)?;
+    let tracker = line_tracker(&sim);
     run_to(&mut sim, 0.5, |_, _| ())?;
     let (mut sum, mut count) = (0.0, 0.0);
     run_to(&mut sim, 0.6, |sim, _| {
@@ -47,35 +44,30 @@ fn check(step: f64) -> Result<Check, StepError> {
         count += 1.0;
     })?;
     let text = format!("angle with steps of {step} times the explicit limit");
-    Ok(Check::absolute(NAME, &text, sum / count, 90.0, 1.5, Some(0.75), "°"))
+    Ok(Check::absolute(NAME, text, sum / count, 90.0, bars(1.5, 0.75)).in_unit("°"))
 }
 
-fn start(step: f64) -> Simulation<2> {
+fn start(step: f64) -> Result<Simulation<2>, StepError> {
     let grid = Grid::<2>::new([96, 64], DX);
     let center = Vector::<2>::new(48.0 * DX, 21.0 * DX);
     let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICKNESS);
-    let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
-    let mesh = VolumeMesh::of_shape(&shape, DX / 1.5, ElementOrder::Quadratic).unwrap_or_default();
+    let shape = block(center, half);
     let clamped = half[0] - 1.3 * DX;
-    let anchors = vec![Anchor::within(&mesh, |x| (x[0] - center[0]).abs() > clamped)];
-    let young_modulus = 5e-5 * 12.0 * (1.0 - POISSON * POISSON) / THICKNESS.powi(3);
-    let law =
-        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
-    let plate =
-        Elastic::new(ElasticSpecification { mesh, density: 2500.0, law, damping_ratio: 0.2, anchors });
-    let mut solid = Solid::new(shape, plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e))), 2500.0);
+    let young = 5e-5 * 12.0 * (1.0 - POISSON * POISSON) / THICKNESS.powi(3);
+    let material = SoftMaterial { young, poisson: POISSON, density: 2500.0, damping: 0.2 };
+    let held = |x: &Vector<2>| (x[0] - center[0]).abs() > clamped;
+    let mut solid = material.solid(shape, DX / 1.5, held)?;
     solid.line_friction = 0.3;
     let model = Model {
-        grid,
-        walls: [[Wall::Slip; 2]; 2],
         density: 1000.0,
         kinematic_viscosity: 5e-5,
         surface_tension: 0.1,
         gravity: Vector::<2>::new(0.0, -9.81),
         solids: vec![solid],
         numerics: Numerics { capillary_step: step, ..Numerics::default() },
+        ..unit_model(grid, [[Wall::Slip; 2]; 2])
     };
     let middle = center + Vector::<2>::new(0.0, half[1] + RADIUS);
     let drop = |x: &Vector<2>| (x - middle).norm() - RADIUS;
-    Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }])
+    Ok(at_rest(model, &drop))
 }

@@ -1,15 +1,12 @@
 //! An elastic plate as the bottom of a tank.
 
-use crate::measure::{at_most, checks_or_failure};
-use crate::setup::run_to;
+use crate::measure::{at_most, bars, checks_or_failure};
+use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
-use std::sync::Arc;
+use meniscus_sim::{Model, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -39,32 +36,21 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     // The plate extends into the walls, where it is anchored.
     let (center, half) =
         (Vector::<2>::new(0.5 * LENGTH, PLATE_HEIGHT), Vector::<2>::new(0.5 * LENGTH + 0.4, 0.5 * THICKNESS));
-    let shape = Shape::Box { center, half_size: half, rotation: Matrix::identity() };
-    let mesh = VolumeMesh::of_shape(&shape, 0.1f64.min(dx), ElementOrder::Quadratic).unwrap_or_default();
-    let middle = mesh.positions.iter().enumerate();
-    let middle: Vec<usize> = middle.filter(|(_, x)| (*x - center).norm() < 0.06).map(|(k, _)| k).collect();
-    let anchors = vec![Anchor::within(&mesh, |x| x[0] < 1e-9 || x[0] > LENGTH - 1e-9)];
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: 2e9,
-        poisson_ratio: 0.3,
-        order: ElementOrder::Quadratic,
-    };
-    let plate = Elastic::new(ElasticSpecification { mesh, density: 1.2, law, damping_ratio: 1.0, anchors });
-    let motion = plate.map_or(Motion::Fixed, |e| Motion::Soft(Arc::new(e)));
+    let shape = block(center, half);
+    let material = SoftMaterial { young: 2e9, poisson: 0.3, density: 1.2, damping: 1.0 };
+    let plate = material.solid(shape, 0.1f64.min(dx), |x| x[0] < 1e-9 || x[0] > LENGTH - 1e-9)?;
+    let rest = plate.elastic().map_or(&[][..], |elastic| &elastic.rest_mesh().positions);
+    let middle: Vec<usize> = (0..rest.len()).filter(|k| (rest[*k] - center).norm() < 0.06).collect();
     let model = Model {
-        grid,
-        walls: [[Wall::Slip; 2]; 2],
-        density: 1.0,
         kinematic_viscosity: 5.0,
         surface_tension: 72.0,
         gravity: Vector::<2>::new(0.0, -GRAVITY),
-        solids: vec![Solid::new(shape, motion, 1.2)],
-        numerics: Numerics::default(),
+        solids: vec![plate],
+        ..unit_model(grid, [[Wall::Slip; 2]; 2])
     };
     let top = PLATE_HEIGHT + 0.5 * THICKNESS + DEPTH;
     let water = |x: &Vector<2>| (x[1] - top).max(PLATE_HEIGHT - x[1]);
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &water, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &water);
     run_to(&mut sim, 1.0, |_, _| ())?;
     let speed = sim.diagnostics().max_speed / (GRAVITY * DEPTH).sqrt();
     let sunk = |k: &usize| {
@@ -73,7 +59,8 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     let sunk = middle.iter().map(sunk).sum::<f64>() / middle.len() as f64;
     let text = |what: &str| format!("{what}, {cells} cells a unit");
     Ok(vec![
-        Check::relative(NAME, &text("deflection of the middle"), sunk, 0.0119435, 0.04, Some(0.01), "cm"),
-        at_most(NAME, &text("largest speed / √(gH)"), speed, 1e-4, Some(1e-6), ""),
+        Check::relative(NAME, text("deflection of the middle"), sunk, 0.0119435, bars(0.04, 0.01))
+            .in_unit("cm"),
+        at_most(NAME, text("largest speed / √(gH)"), speed, bars(1e-4, 1e-6)),
     ])
 }

@@ -1,8 +1,8 @@
 //! Iterations of the pressure solve with free solids.
 
-use crate::cases::rigid::floating::tank;
+use crate::cases::rigid::floating::Tank;
 use crate::cases::rigid::momentum_with_solid::plate_and_drop;
-use crate::measure::{at_most, checks_or_failure};
+use crate::measure::{at_most, bar, checks_or_failure};
 use crate::{Case, Check, Mode};
 use meniscus_sim::{Simulation, StepError};
 
@@ -36,21 +36,22 @@ fn checks<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     let mut all = Vec::new();
     for density in DENSITIES {
         let plate = plate_and_drop::<D>(cells, density);
-        let pool = tank::<D>((1.0, 90.0, density), (cells, 4.0), 0.0, &|_| 0.0);
+        let pool =
+            Tank { bond: 1.0, angle: 90.0, density, cells, width: 4.0, center: 0.0 }.start::<D>(&|_| 0.0);
         for (what, sim) in [("drop on a plate", plate), ("body in a pool", pool)] {
             let text = format!("iterations of a solve, {what}, {D}D, D = {density}, {cells} cells/R");
-            all.push(at_most(NAME, &text, max_iterations(sim)?, 20.0, None, ""));
+            all.push(at_most(NAME, text, max_iterations(sim, STEPS)?, bar(20.0)));
         }
     }
     Ok(all)
 }
 
-/// Most iterations of a solve.
-fn max_iterations<const D: usize>(mut sim: Simulation<D>) -> Result<f64, StepError> {
+/// Most iterations of a solve in a number of steps.
+pub(super) fn max_iterations<const D: usize>(mut sim: Simulation<D>, steps: u64) -> Result<f64, StepError> {
     let mut most = 0;
-    while sim.state.step < STEPS {
-        most =
-            sim.step(f64::INFINITY, &mut |_| ())?.solves.iter().map(|s| s.iterations).fold(most, usize::max);
+    while sim.state.step < steps {
+        let solves = sim.step(f64::INFINITY, &mut |_| ())?.solves;
+        most = solves.iter().map(|s| s.iterations).fold(most, usize::max);
     }
     Ok(most as f64)
 }

@@ -1,15 +1,13 @@
 //! Iterations of the pressure solve with deformable sheets.
 
-use crate::measure::{at_most, checks_or_failure};
-use crate::setup::grid_offset;
+use super::pressure_iterations::max_iterations;
+use crate::measure::{at_most, bars, checks_or_failure};
+use crate::setup::{across_and_up, at_rest, block, grid_offset, unit_model, up};
+use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
-use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
-use std::sync::Arc;
+use meniscus_sim::{Model, Numerics, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -43,9 +41,9 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 fn checks<const D: usize>(cells: usize, settings: &[(f64, f64)]) -> Result<Vec<Check>, StepError> {
     let check = |(light, bending): &(f64, f64)| {
-        let most = max_iterations(start::<D>(cells, *light, *bending)?)?;
+        let most = max_iterations(start::<D>(cells, *light, *bending)?, STEPS)?;
         let text = format!("iterations of a solve, r = {light}, k_b = {bending}, {D}D, {cells} cells a unit");
-        Ok(at_most(NAME, &text, most, 60.0, Some(30.0), ""))
+        Ok(at_most(NAME, text, most, bars(60.0, 30.0)))
     };
     settings.iter().map(check).collect()
 }
@@ -55,39 +53,24 @@ fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simul
     let dx = 1.0 / cells as f64;
     let thickness = THICKNESS * dx;
     let density = dx / (light * thickness);
-    let young_modulus =
+    let young =
         bending * density * dx.powi(4) * 12.0 * (1.0 - POISSON * POISSON) / (STEP * thickness).powi(2);
-    let room = Vector::<D>::from_fn(|a, _| if a == D - 1 { 2.0 } else { 3.0 });
-    let center = Vector::from_fn(|a, _| if a == D - 1 { 0.9 } else { 1.5 }) + grid_offset(dx);
-    let half_size = Vector::from_fn(|a, _| if a == D - 1 { 0.5 * thickness } else { 0.75 });
-    let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
-    let mesh = VolumeMesh::of_shape(&shape, dx / 1.5, ElementOrder::Quadratic).unwrap_or_default();
-    let law =
-        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: POISSON, order: ElementOrder::Quadratic };
-    let anchors = Vec::new();
-    let description = ElasticSpecification { mesh, density, law, damping_ratio: 0.0, anchors };
-    let failed = |e: ElasticError| StepError::TooShort { time: 0.0, dt: STEP, reason: e.to_string() };
-    let elastic = Elastic::new(description).map_err(failed)?;
+    let room = across_and_up::<D>(3.0, 2.0);
+    let center = across_and_up(1.5, 0.9) + grid_offset(dx);
+    let half_size = across_and_up(0.75, 0.5 * thickness);
+    let shape = block(center, half_size);
+    let material = SoftMaterial { young, poisson: POISSON, density, damping: 0.0 };
+    let sheet = material.solid(shape, dx / 1.5, |_| false)?;
     let model = Model {
-        grid: Grid::<D>::new(std::array::from_fn(|a| (room[a] * cells as f64) as usize), dx),
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.0,
         surface_tension: 0.0,
-        gravity: Vector::from_fn(|a, _| if a == D - 1 { -1.0 } else { 0.0 }),
-        solids: vec![Solid::new(shape, Motion::Soft(Arc::new(elastic)), density)],
+        gravity: up(-1.0),
+        solids: vec![sheet],
         numerics: Numerics { max_step: STEP, ..Numerics::default() },
+        ..unit_model(
+            Grid::<D>::new(std::array::from_fn(|a| (room[a] * cells as f64) as usize), dx),
+            [[Wall::Slip; 2]; D],
+        )
     };
     let liquid = |x: &Vector<D>| x[D - 1] - 1.5;
-    Ok(Simulation::new(model, &[LiquidRegion { signed_distance: &liquid, velocity: Vector::zeros() }]))
-}
-
-/// Most iterations of a solve.
-fn max_iterations<const D: usize>(mut sim: Simulation<D>) -> Result<f64, StepError> {
-    let mut most = 0;
-    while sim.state.step < STEPS {
-        let solves = sim.step(f64::INFINITY, &mut |_| ())?.solves;
-        most = solves.iter().map(|s| s.iterations).fold(most, usize::max);
-    }
-    Ok(most as f64)
+    Ok(at_rest(model, &liquid))
 }

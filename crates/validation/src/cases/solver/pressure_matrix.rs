@@ -1,6 +1,6 @@
 //! The pressure matrix against a dense solve.
 
-use crate::measure::{at_least, at_most};
+use crate::measure::{at_least, at_most, bars};
 use crate::{Case, Check};
 use meniscus_numerics::fit::{min_relative_pivot, solve};
 use meniscus_numerics::grid::{CellField, FaceField, Grid, Lattice, Run, Runs};
@@ -154,9 +154,9 @@ fn run() -> Vec<Check> {
     }
     let case = "pressure-matrix";
     vec![
-        at_most(case, "operator against the assembled matrix", matrix_error, 1e-10, Some(1e-15), ""),
-        at_most(case, "asymmetry", asymmetry, 1e-10, Some(1e-15), ""),
-        at_most(case, "solution against elimination", solution_error, 1e-10, Some(1e-12), ""),
+        at_most(case, "operator against the assembled matrix", matrix_error, bars(1e-10, 1e-15)),
+        at_most(case, "asymmetry", asymmetry, bars(1e-10, 1e-15)),
+        at_most(case, "solution against elimination", solution_error, bars(1e-10, 1e-12)),
         at_least(case, "smallest Cholesky pivot / largest diagonal entry", pivot, 1e-12, 1e-9),
     ]
 }

@@ -1,7 +1,7 @@
 //! Distances and lengths on a solid's surface, on which the contact-line extraction relies.
 
-use crate::measure::{at_least, at_most, convergence_order};
-use crate::{Case, Check};
+use crate::measure::{at_least, at_most, bars, convergence_order};
+use crate::{Bars, Case, Check};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::icosphere::icosphere;
 use meniscus_numerics::mesh::{Contour, Geodesic};
@@ -58,24 +58,25 @@ fn worst(which: usize) -> Vec<(f64, f64)> {
     LEVELS.iter().map(|l| (0.5f64.powi(*l as i32), error(*l))).collect()
 }
 
-fn checks(case: &str, what: &str, errors: &[(f64, f64)], bars: (f64, f64), order: (f64, f64)) -> Vec<Check> {
+/// Checks of the error on the middle sphere, and of its order; `order` has the bar and the aim of it.
+fn checks(case: &str, what: &str, errors: &[(f64, f64)], bars: Bars, order: [f64; 2]) -> Vec<Check> {
     let all: Vec<String> = errors.iter().map(|e| format!("{:.1e}", e.1)).collect();
     vec![
-        at_most(case, &format!("{what}, 2562 vertices"), errors[1].1, bars.0, Some(bars.1), ""),
+        at_most(case, format!("{what}, 2562 vertices"), errors[1].1, bars),
         at_least(
             case,
-            &format!("its order ({})", all.join(", ")),
+            format!("its order ({})", all.join(", ")),
             convergence_order(errors),
-            order.0,
-            order.1,
+            order[0],
+            order[1],
         ),
     ]
 }
 
 fn distance() -> Vec<Check> {
-    checks("mesh-distance", "mean error of the distance", &worst(0), (1e-3, 5e-4), (1.0, 2.0))
+    checks("mesh-distance", "mean error of the distance", &worst(0), bars(1e-3, 5e-4), [1.0, 2.0])
 }
 
 fn length() -> Vec<Check> {
-    checks("contour-length", "relative error of the length", &worst(1), (2e-3, 1e-3), (1.8, 2.0))
+    checks("contour-length", "relative error of the length", &worst(1), bars(2e-3, 1e-3), [1.8, 2.0])
 }

@@ -2,12 +2,12 @@
 
 use super::meniscus::surface_height;
 use super::sessile::{fit_cap, rms_and_mean_speed};
-use crate::measure::{at_most, checks_or_failure, surface_points};
-use crate::setup::run_to;
+use crate::measure::{at_most, bars, checks_or_failure, line_tracker, surface_points};
+use crate::setup::{at_rest, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LineTracker, LiquidRegion, Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{Model, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
 /// A tank, and drops in corners.
@@ -46,16 +46,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 
 /// A box with closed sides and liquid (ρ = γ = 1) at a contact angle (degrees).
 fn walled<const D: usize>(grid: Grid<D>, angle: f64) -> Model<D> {
-    let model = Model {
-        grid,
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 1.0,
-        surface_tension: 1.0,
-        gravity: Vector::zeros(),
-        solids: Vec::new(),
-        numerics: Numerics::default(),
-    };
+    let model = Model { kinematic_viscosity: 1.0, ..unit_model(grid, [[Wall::Slip; 2]; D]) };
     model.with_wetting_walls(angle.to_radians().cos(), 0.0, None)
 }
 
@@ -65,10 +56,9 @@ fn tank(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let mut model = walled(Grid::<2>::new([(2.0 * HALF_WIDTH) as usize * cells, 5 * cells], dx), angle);
     model.gravity[1] = -1.0;
     let distance = |x: &Vector<2>| x[1] - 2.43;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     run_to(&mut sim, TIME, |_, _| ())?;
-    let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(&sim);
+    let line = line_tracker(&sim).extract(&sim);
     let risen = match line.points[..] {
         [left, right] => {
             0.5 * (left.at[1] + right.at[1]) - surface_height(&sim, sim.model.grid.domain_upper() * 0.5)
@@ -78,8 +68,8 @@ fn tank(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let should = (SQRT_2 * (1.0 - angle.to_radians().sin()).sqrt()).copysign(90.0 - angle);
     let what = |text: &str| format!("{text}, tank, θ = {angle}°");
     Ok(vec![
-        Check::relative(NAME, &what("height"), risen, should, 0.02, Some(0.01), "lc"),
-        at_most(NAME, &what("u_rms / √(g lc)"), rms_and_mean_speed(&sim).0, 1e-2, Some(1e-3), ""),
+        Check::relative(NAME, what("height"), risen, should, bars(0.02, 0.01)).in_unit("lc"),
+        at_most(NAME, what("u_rms / √(g lc)"), rms_and_mean_speed(&sim).0, bars(1e-2, 1e-3)),
     ])
 }
 
@@ -90,8 +80,7 @@ fn corner<const D: usize>(angle: f64, cells: usize) -> Result<Vec<Check>, StepEr
     model.kinematic_viscosity = 0.3;
     let middle = Vector::from_fn(|a, _| [0.31, 0.17, 0.05][a]);
     let distance = |x: &Vector<D>| (x - middle).norm() - 1.0;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &distance);
     run_to(&mut sim, TIME, |_, _| ())?;
     let away = |x: &Vector<D>| x.min() > 1.5 * dx;
     let ball = fit_cap(&sim, away);
@@ -105,8 +94,9 @@ fn corner<const D: usize>(angle: f64, cells: usize) -> Result<Vec<Check>, StepEr
     let off = off.fold(0.0, f64::max) / ball.radius;
     let what = |text: &str| format!("{text}, {D}D corner, θ = {angle}°");
     Ok(vec![
-        Check::absolute(NAME, &what("angle, the worst of the sides"), found, angle, 2.0, Some(1.0), "deg"),
-        at_most(NAME, &what("distance from a ball / its radius"), off, 1e-2, Some(5e-3), ""),
-        at_most(NAME, &what("u_rms √(ρ R / γ)"), rms_and_mean_speed(&sim).0, 1e-2, Some(1e-3), ""),
+        Check::absolute(NAME, what("angle, the worst of the sides"), found, angle, bars(2.0, 1.0))
+            .in_unit("deg"),
+        at_most(NAME, what("distance from a ball / its radius"), off, bars(1e-2, 5e-3)),
+        at_most(NAME, what("u_rms √(ρ R / γ)"), rms_and_mean_speed(&sim).0, bars(1e-2, 1e-3)),
     ])
 }

@@ -1,12 +1,12 @@
 //! Drops on slopes, pinned by their contact lines.
 
-use crate::measure::{at_least, at_most, checks_or_failure};
-use crate::setup::run_to;
+use crate::measure::{at_least, at_most, bars, checks_or_failure};
+use crate::setup::{across_and_up, at_rest, run_to, unit_model, up};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Hysteresis, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Hysteresis, Model, Motion, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// A drop on a slope.
@@ -29,48 +29,50 @@ const ROUND_DROP_FACTOR: f64 = 24.0 / (PI * PI * PI);
 
 fn slopes(cells: usize) -> Result<Vec<Check>, StepError> {
     let (area, volume) = (0.5 * PI, 2.0 / 3.0 * PI);
-    let mut checks = check_pull::<2>(cells, [0.9, 1.1].map(|share| (share, share / area)))?;
-    checks.extend(check_pull::<3>(
-        8,
-        [(0.7, 0.7 * ROUND_DROP_FACTOR * 2.0 / volume), (1.1, 1.1 * 2.0 / volume)],
-    )?);
+    let plane = |share: f64| Pull { share, force: share / area };
+    let mut checks = check_pulls::<2>(cells, plane(0.9), plane(1.1))?;
+    let rest = Pull { share: 0.7, force: 0.7 * ROUND_DROP_FACTOR * 2.0 / volume };
+    checks.extend(check_pulls::<3>(8, rest, Pull { share: 1.1, force: 1.1 * 2.0 / volume })?);
     Ok(checks)
 }
 
-/// Checks a drop that must rest and one that must slide; each is given by its share of the critical force, and the force over γ (cos θ_r
-/// − cos θ_a).
-fn check_pull<const D: usize>(cells: usize, [rest, slide]: [(f64, f64); 2]) -> Result<Vec<Check>, StepError> {
+/// A pull along the wall.
+struct Pull {
+    /// Its share of the critical one.
+    share: f64,
+    /// The force over γ (cos θ_r − cos θ_a).
+    force: f64,
+}
+
+/// Checks a drop that must rest and one that must slide.
+fn check_pulls<const D: usize>(cells: usize, rest: Pull, slide: Pull) -> Result<Vec<Check>, StepError> {
     let what = |share: f64| format!("way / R at {share} of the critical pull, {D}D, {cells} cells/R");
-    let (stays, goes) = (sliding_distance::<D>(cells, rest.1)?.abs(), sliding_distance::<D>(cells, slide.1)?);
+    let stays = sliding_distance::<D>(cells, rest.force)?.abs();
+    let goes = sliding_distance::<D>(cells, slide.force)?;
     Ok(vec![
-        at_most("hysteresis", &what(rest.0), stays, 0.02, Some(0.005), ""),
-        at_least("hysteresis", &what(slide.0), goes, 0.1, 0.2),
+        at_most("hysteresis", what(rest.share), stays, bars(0.02, 0.005)),
+        at_least("hysteresis", what(slide.share), goes, 0.1, 0.2),
     ])
 }
 
 /// Displacement of the drop's centre from the sixth to the twelfth capillary time; `pull` is the force over γ (cos θ_r − cos θ_a).
 fn sliding_distance<const D: usize>(cells: usize, pull: f64) -> Result<f64, StepError> {
     let dx = 1.0 / cells as f64;
-    let point = Vector::<D>::from_fn(|a, _| if a + 1 == D { 6.3 * dx } else { 2.0 });
-    let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+    let point = across_and_up::<D>(2.0, 6.3 * dx);
+    let normal = up(1.0);
     let shape = Shape::HalfSpace { point, normal };
     let mut wall = Solid::new(shape, Motion::Fixed, 1.0);
     let [advancing, receding] = [110.0f64, 70.0].map(|angle| angle.to_radians().cos());
     (wall.hysteresis, wall.line_friction) = (Some(Hysteresis::Between([advancing, receding])), 0.3);
     let wide = [7, if D == 2 { 3 } else { 4 }, 3];
     let model = Model {
-        grid: Grid::new(std::array::from_fn(|a| wide[a] * cells), dx),
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
         kinematic_viscosity: 0.3,
-        surface_tension: 1.0,
         gravity: Vector::from_fn(|a, _| if a == 0 { pull * (receding - advancing) } else { 0.0 }),
         solids: vec![wall],
-        numerics: Numerics::default(),
+        ..unit_model(Grid::new(std::array::from_fn(|a| wide[a] * cells), dx), [[Wall::Slip; 2]; D])
     };
     let half = |x: &Vector<D>| (x - point).norm() - 1.0;
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &half, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &half);
     run_to(&mut sim, 6.0, |_, _| ())?;
     let before = sim.diagnostics().centroid[0];
     run_to(&mut sim, 12.0, |_, _| ())?;

@@ -1,13 +1,13 @@
 //! Contact-line friction: spreading of a drop limited by friction alone.
 
 use super::sessile::{cap_radius, fit_cap, sessile_model};
-use crate::measure::{at_most, checks_or_failure};
-use crate::setup::run_to;
+use crate::measure::{at_most, bars, bisect, checks_or_failure};
+use crate::setup::{across_and_up, at_rest, block, in_flight, run_to, wetted};
 use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Model, Motion, Simulation, Solid, StepError};
 use std::f64::consts::PI;
 
 /// The case.
@@ -47,20 +47,18 @@ fn spreading(cells: usize) -> Result<Vec<Check>, StepError> {
     let grid = Grid::<2>::new([4 * cells, 2 * cells], dx);
     let point = Vector::<2>::new(2.0, (0.5 * cells as f64).floor() * dx + 0.3 * dx);
     let normal = Vector::<2>::new(0.0, 1.0);
-    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
-    wall.young_cosine = YOUNG.to_radians().cos();
+    let mut wall = wetted(Shape::HalfSpace { point, normal }, YOUNG);
     wall.line_friction = FRICTION;
     let start = |x: &Vector<2>| (x - point).norm() - 1.0;
     let model = Model { kinematic_viscosity: VISCOSITY, ..sessile_model(grid, wall) };
-    let mut sim =
-        Simulation::new(model, &[LiquidRegion { signed_distance: &start, velocity: Vector::zeros() }]);
+    let mut sim = at_rest(model, &start);
     let mut checks = Vec::new();
     for time in TIMES {
         run_to(&mut sim, time, |_, _| ())?;
         let cap = fit_cap(&sim, |x| x[1] - point[1] > 1.5 * dx);
         let found = cap.angle_on_plane(&point, &normal);
         let what = format!("angle at t = {time}, {cells} cells/R");
-        checks.push(Check::absolute(NAME, &what, found, angle_at(time), 1.5, Some(0.7), "deg"));
+        checks.push(Check::absolute(NAME, what, found, angle_at(time), bars(1.5, 0.7)).in_unit("deg"));
     }
     Ok(checks)
 }
@@ -83,11 +81,7 @@ fn angle_at(time: f64) -> f64 {
 
 /// The angle (rad) of a circular segment with the drop's area and a width of `2 width`.
 fn angle_of(width: f64) -> f64 {
-    let (mut low, mut high) = (0.01, PI - 0.01);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if cap_radius::<2>(middle) * middle.sin() > width { low = middle } else { high = middle }
-    }
+    let [low, high] = bisect([0.01, PI - 0.01], 60, |angle| cap_radius::<2>(angle) * angle.sin() > width);
     0.5 * (low + high)
 }
 
@@ -96,18 +90,16 @@ fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepErr
     const RADIUS: f64 = 0.16;
     let mut center = Vector::repeat(0.51);
     center[D - 1] = 0.4;
-    let half_size = Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.34 });
-    let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
+    let half_size = across_and_up(0.34, 0.06);
+    let shape = block(center, half_size);
     let mut plate = Solid::new(shape, Motion::Free, 1.25);
     plate.young_cosine = 0.5;
     plate.line_friction = FRICTION * RADIUS.sqrt();
     let mut model = sessile_model(Grid::<D>::new([cells; D], 1.0 / cells as f64), plate);
     model.numerics.tolerance = 1e-10;
-    let middle = center + Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.08 });
+    let middle = center + across_and_up(0.08, 0.06);
     let above = |x: &Vector<D>| ((x - middle).norm() - RADIUS).max(center[D - 1] - x[D - 1]);
-    let body =
-        LiquidRegion { signed_distance: &above, velocity: Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64) };
-    let mut sim = Simulation::new(model, &[body]);
+    let mut sim = in_flight(model, &above, Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64));
     let sum = |sim: &Simulation<D>| {
         sim.diagnostics().momentum + sim.state.solids[0].velocity * sim.model.solids[0].mass_properties.mass
     };
@@ -116,5 +108,5 @@ fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepErr
         sim.step(f64::INFINITY, &mut |_| ())?;
     }
     let gained = (sum(&sim) - start).norm() / (RADIUS.powi(D as i32 - 1) * sim.state.time);
-    Ok(at_most(NAME, &format!("momentum of drop and free plate, {D}D"), gained, 1e-6, Some(1e-10), ""))
+    Ok(at_most(NAME, format!("momentum of drop and free plate, {D}D"), gained, bars(1e-6, 1e-10)))
 }

@@ -2,13 +2,13 @@
 
 use super::sessile::{rms_and_mean_speed, sessile_model};
 use crate::cases::rigid::floating::level_by_pressure;
-use crate::measure::{at_most, checks_or_failure};
-use crate::setup::run_to;
+use crate::measure::{at_most, bars, bisect, checks_or_failure, line_tracker};
+use crate::setup::{at_rest, block, run_to, wetted};
 use crate::{Case, Check, Mode};
+use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::shape::Shape;
-use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LineTracker, LiquidRegion, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Model, Simulation, StepError};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Plates and gaps in 2D.
@@ -59,16 +59,15 @@ fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
     for &angle in angles {
         checks.extend(plate(angle)?);
     }
-    for row in GAPS.iter().filter(|_| mode == Mode::Full) {
-        checks.extend(gap(*row)?);
+    for &(half, angle, should) in GAPS.iter().filter(|_| mode == Mode::Full) {
+        checks.extend(gap(half, angle, should)?);
     }
     Ok(checks)
 }
 
 /// A tank with a solid that the liquid meets at a contact angle (degrees).
 fn tank<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64) -> Model<D> {
-    let mut solid = Solid::new(shape, Motion::Fixed, 1.0);
-    solid.young_cosine = angle.to_radians().cos();
+    let solid = wetted(shape, angle);
     let mut model = sessile_model(grid, solid);
     model.kinematic_viscosity = 1.0;
     model.gravity[D - 1] = -1.0;
@@ -78,14 +77,15 @@ fn tank<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64) -> Model<D> 
 /// The tank filled to a level.
 fn bath<const D: usize>(model: Model<D>, level: f64) -> Simulation<D> {
     let distance = |x: &Vector<D>| x[D - 1] - level;
-    Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
+    at_rest(model, &distance)
 }
 
 /// Height of the surface above or below a point.
-pub(crate) fn surface_height<const D: usize>(sim: &Simulation<D>, mut x: Vector<D>) -> f64 {
+pub(crate) fn surface_height<const D: usize>(sim: &Simulation<D>, x: Vector<D>) -> f64 {
     let grid = &sim.model.grid;
     let sampler = Sampler::cells(grid, &sim.state.phi.data, sim.model.scalar_boundary());
-    let mut at = |height: f64| {
+    let at = |height: f64| {
+        let mut x = x;
         x[D - 1] = height;
         sampler.cubic(&x)
     };
@@ -94,16 +94,13 @@ pub(crate) fn surface_height<const D: usize>(sim: &Simulation<D>, mut x: Vector<
     while low > 0.0 && at(low) >= 0.0 {
         (low, high) = (low - grid.dx, low);
     }
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if at(middle) < 0.0 { low = middle } else { high = middle }
-    }
+    let [low, high] = bisect([low, high], 50, |height| at(height) < 0.0);
     0.5 * (low + high)
 }
 
 /// Checks the residual motion of the bath.
 fn check_at_rest<const D: usize>(case: &str, what: &str, sim: &Simulation<D>) -> Check {
-    at_most(case, &format!("u_rms / √(g lc), {what}"), rms_and_mean_speed(sim).0, 1e-2, Some(1e-3), "")
+    at_most(case, format!("u_rms / √(g lc), {what}"), rms_and_mean_speed(sim).0, bars(1e-2, 1e-3))
 }
 
 /// Case 6a: an upright wall.
@@ -114,7 +111,7 @@ fn wall(angle: f64) -> Result<Vec<Check>, StepError> {
     let shape = Shape::HalfSpace { point: Vector::<2>::new(x, 0.0), normal: Vector::<2>::new(1.0, 0.0) };
     let mut sim = bath(tank(grid, shape, angle), 2.43);
     run_to(&mut sim, TIME, |_, _| ())?;
-    let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(&sim);
+    let line = line_tracker(&sim).extract(&sim);
     let risen = match line.points[..] {
         [point] => point.at[1] - surface_height(&sim, grid.domain_upper()),
         _ => f64::NAN,
@@ -123,7 +120,7 @@ fn wall(angle: f64) -> Result<Vec<Check>, StepError> {
     let should = (SQRT_2 * (1.0 - sine).sqrt()).copysign(90.0 - angle);
     let what = format!("wall, θ = {angle}°");
     Ok(vec![
-        Check::relative(PLANE_NAME, &format!("height, {what}"), risen, should, 0.02, Some(0.01), "lc"),
+        Check::relative(PLANE_NAME, format!("height, {what}"), risen, should, bars(0.02, 0.01)).in_unit("lc"),
         check_at_rest(PLANE_NAME, &what, &sim),
     ])
 }
@@ -134,11 +131,10 @@ fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
     let dx = 0.125;
     let grid = Grid::<2>::new([((2.0 * PLATE_TO_END_DISTANCE + THICK) / dx) as usize + 1, 46], dx);
     let (bottom, top) = (1.5 + 0.3 * dx, 10.0);
-    let shape = Shape::Box {
-        center: Vector::<2>::new(0.5 * grid.domain_upper()[0] + 0.17 * dx, 0.5 * (bottom + top)),
-        half_size: Vector::<2>::new(0.5 * THICK, 0.5 * (top - bottom)),
-        rotation: Matrix::identity(),
-    };
+    let shape = block(
+        Vector::<2>::new(0.5 * grid.domain_upper()[0] + 0.17 * dx, 0.5 * (bottom + top)),
+        Vector::<2>::new(0.5 * THICK, 0.5 * (top - bottom)),
+    );
     let mut sim = bath(tank(grid, shape, angle), bottom + 2.0);
     run_to(&mut sim, TIME, |_, _| ())?;
     let (start, mut force, mut side) = (sim.state.time, 0.0, 0.0);
@@ -156,40 +152,41 @@ fn plate(angle: f64) -> Result<Vec<Check>, StepError> {
     let name = |text: &str| format!("{text}, {what}");
     let line = -0.5 * side / time;
     Ok(vec![
-        Check::relative(PLANE_NAME, &name("force less buoyancy"), pull, should, 0.02, Some(0.01), "γ"),
-        Check::relative(PLANE_NAME, &name("pull of the contact line"), line, should, 0.02, Some(0.01), "γ"),
+        Check::relative(PLANE_NAME, name("force less buoyancy"), pull, should, bars(0.02, 0.01)).in_unit("γ"),
+        Check::relative(PLANE_NAME, name("pull of the contact line"), line, should, bars(0.02, 0.01))
+            .in_unit("γ"),
         check_at_rest(PLANE_NAME, &what, &sim),
     ])
 }
 
 /// Case 6c: half a gap beside a plane of symmetry, its plate, and the bath beyond it.
-fn gap((half, angle, should): (f64, f64, f64)) -> Result<Vec<Check>, StepError> {
+fn gap(half: f64, angle: f64, should: f64) -> Result<Vec<Check>, StepError> {
     let (dx, thick) = (0.08, 1.0);
     let grid = Grid::<2>::new([((half + thick + PLATE_TO_END_DISTANCE) / dx).ceil() as usize, 66], dx);
     let (bottom, top) = (1.2 + 0.3 * dx, 10.0);
-    let shape = Shape::Box {
-        center: Vector::<2>::new(half + 0.5 * thick, 0.5 * (bottom + top)),
-        half_size: Vector::<2>::new(0.5 * thick, 0.5 * (top - bottom)),
-        rotation: Matrix::identity(),
-    };
+    let shape = block(
+        Vector::<2>::new(half + 0.5 * thick, 0.5 * (bottom + top)),
+        Vector::<2>::new(0.5 * thick, 0.5 * (top - bottom)),
+    );
     let mut sim = bath(tank(grid, shape, angle), 2.73);
     run_to(&mut sim, 1.5 * TIME, |_, _| ())?;
     let risen = surface_height(&sim, Vector::zeros()) - surface_height(&sim, grid.domain_upper());
     let what = format!("gap, a = {half} lc, θ = {angle}°");
     Ok(vec![
-        Check::relative(PLANE_NAME, &format!("height, {what}"), risen, should, 0.02, Some(0.01), "lc"),
+        Check::relative(PLANE_NAME, format!("height, {what}"), risen, should, bars(0.02, 0.01)).in_unit("lc"),
         check_at_rest(PLANE_NAME, &what, &sim),
     ])
 }
 
 fn tubes(mode: Mode) -> Result<Vec<Check>, StepError> {
     let (cells, rows) = if mode == Mode::Quick { (6, &TUBES[1..2]) } else { (8, &TUBES[..]) };
-    let checks: Vec<_> = rows.iter().map(|row| tube(*row, cells)).collect::<Result<_, _>>()?;
+    let checks: Vec<_> =
+        rows.iter().map(|(angle, should)| tube(*angle, *should, cells)).collect::<Result<_, _>>()?;
     Ok(checks.into_iter().flatten().collect())
 }
 
 /// Case 6d: a quarter of a tube whose axis is the vertical edge of the domain.
-fn tube((angle, should): (f64, f64), cells: usize) -> Result<Vec<Check>, StepError> {
+fn tube(angle: f64, should: f64, cells: usize) -> Result<Vec<Check>, StepError> {
     let (radius, thick, side) = (0.5, 0.25, 1.5);
     let dx = radius / cells as f64;
     let round = |x: f64| (x / dx).ceil() as usize;
@@ -219,7 +216,7 @@ fn tube((angle, should): (f64, f64), cells: usize) -> Result<Vec<Check>, StepErr
     let risen = surface_height(&sim, Vector::zeros()) - level_by_pressure(&sim);
     let what = format!("tube, a = {radius} lc, θ = {angle}°, {cells} cells/a");
     Ok(vec![
-        Check::relative(TUBE_NAME, &format!("height, {what}"), risen, should, 0.04, Some(0.01), "lc"),
+        Check::relative(TUBE_NAME, format!("height, {what}"), risen, should, bars(0.04, 0.01)).in_unit("lc"),
         check_at_rest(TUBE_NAME, &what, &sim),
     ])
 }

@@ -1,10 +1,10 @@
 //! The wetting ridge of a contact line on a deformable layer.
 
-use crate::measure::{at_least, checks_or_failure};
+use crate::measure::{at_least, bars, checks_or_failure, line_tracker};
 use crate::plate::{PlateSetup, PlateSupport};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
-use meniscus_sim::{LineTracker, StepError};
+use meniscus_sim::StepError;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Drops on layers.
@@ -80,25 +80,19 @@ impl ElasticLayer {
     /// Half the wetted width, and heights at the lines and under the middle, for a drop at rest.
     fn measure(&self, cells: usize) -> Result<[f64; 3], StepError> {
         let setting = PlateSetup {
-            cells,
-            angle: 90.0,
-            initial_angle: 90.0,
             length: 8.0,
             thickness: 1.0,
             bending: self.young / (12.0 * (1.0 - self.poisson * self.poisson)),
             poisson: self.poisson,
             own_tension: self.tension,
-            density: 1.0,
             damping: 0.7,
-            area: FRAC_PI_2,
-            drop_offset: 0.0,
-            viscosity: 0.3,
             support: PlateSupport::BottomAndEnds,
             domain_and_plate_height: [3.2, 0.8],
+            ..PlateSetup::free(cells, 90.0)
         };
         let mut plate = setting.start()?;
         plate.sim.model.numerics.line_radius = self.width;
-        let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
+        let tracker = line_tracker(&plate.sim);
         plate
             .mean_over_last_fifth(8.0, |p| {
                 let points = tracker.extract(&p.sim).points;
@@ -139,9 +133,9 @@ fn ridge(cells: usize, layer: &ElasticLayer) -> Result<(Vec<Check>, f64), StepEr
     let what = |text: &str| format!("{text}, ν = {poisson}, {which}, {cells} cells/h");
     // The width has the tolerances of a drop's shape on a sheet (`elastica-drop`).
     let checks = vec![
-        Check::relative(NAME, &what("height of the ridge"), high, should[1], 0.08, Some(0.03), "h"),
-        Check::relative(NAME, &what("depth under the drop"), deep, should[2], 0.08, Some(0.03), "h"),
-        Check::relative(NAME, &what("half the wetted width"), half, should[0], 0.05, Some(0.02), "h"),
+        Check::relative(NAME, what("height of the ridge"), high, should[1], bars(0.08, 0.03)).in_unit("h"),
+        Check::relative(NAME, what("depth under the drop"), deep, should[2], bars(0.08, 0.03)).in_unit("h"),
+        Check::relative(NAME, what("half the wetted width"), half, should[0], bars(0.05, 0.02)).in_unit("h"),
     ];
     Ok((checks, high / should[1] - 1.0))
 }

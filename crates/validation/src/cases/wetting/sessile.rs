@@ -1,13 +1,13 @@
 //! Drops on solids without gravity: Young's angle on planes of any position and slope, on a cylinder and a ball.
 
-use crate::measure::{at_least, at_most, checks_or_failure, convergence_order, surface_points};
-use crate::setup::run_to;
+use crate::measure::{at_least, at_most, bar, bars, checks_or_failure, convergence_order, surface_points};
+use crate::setup::{at_rest, run_to, unit_model, up, wetted};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Drops on planes in 2D.
@@ -46,17 +46,7 @@ pub const CURVED: Case = Case {
         the order of the error of the angle on a wall tilted by 22.5 degrees, 8, 16 and 32 cells per radius, \
         root mean square over 60, 90 and 120 degrees (2D).",
     quick: false,
-    run: |_| {
-        checks_or_failure(
-            "sessile-curved",
-            curved().and_then(|mut c| {
-                Ok({
-                    c.extend(order()?);
-                    c
-                })
-            }),
-        )
-    },
+    run: |_| checks_or_failure("sessile-curved", curved().and_then(|checks| Ok([checks, order()?].concat()))),
 };
 
 /// Drops on a wall with short and long steps.
@@ -81,20 +71,49 @@ pub const THIN: Case = Case {
     run: |mode| checks_or_failure("sessile-thin", thin(mode)),
 };
 
-/// Placement of a wall: offset from the grid's faces in cells, and tilt in degrees.
-type WallPlacement = (f64, f64);
+/// Placement of a wall.
+#[derive(Clone, Copy)]
+struct WallPlacement {
+    /// Offset from the grid's faces in cells.
+    offset: f64,
+    /// Tilt in degrees.
+    tilt: f64,
+}
+
+const fn along_grid(offset: f64) -> WallPlacement {
+    WallPlacement { offset, tilt: 0.0 }
+}
+
+const fn tilted(tilt: f64) -> WallPlacement {
+    WallPlacement { offset: 0.0, tilt }
+}
 
 const ANGLES: [f64; 7] = [30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0];
 const SOME_ANGLES: [f64; 5] = [30.0, 60.0, 90.0, 120.0, 150.0];
-const PLACES: [WallPlacement; 5] = [(0.0, 0.0), (0.3, 0.0), (0.7, 0.0), (0.0, 22.5), (0.0, 45.0)];
-const TILTED: [WallPlacement; 2] = [(0.0, 22.5), (0.0, 45.0)];
-const SOME_PLACES: [WallPlacement; 2] = [(0.3, 0.0), (0.0, 22.5)];
+const PLACES: [WallPlacement; 5] =
+    [along_grid(0.0), along_grid(0.3), along_grid(0.7), tilted(22.5), tilted(45.0)];
+const TILTED: [WallPlacement; 2] = [tilted(22.5), tilted(45.0)];
+const SOME_PLACES: [WallPlacement; 2] = [along_grid(0.3), tilted(22.5)];
 /// Contact angle, degrees, from which a contracting half ball jumps off its wall.
 const DETACHMENT_ANGLE_DEGREES: f64 = 140.0;
 /// Default step over the explicit capillary limit.
 const DEFAULT_STEP_FACTOR: f64 = 5.0;
 /// Duration of the runs, √(ρR³/γ).
 const TIME: f64 = 12.0;
+
+/// A drop on a plane: the side of a plate, or of a half-space.
+#[derive(Clone, Copy)]
+struct PlaneDrop {
+    /// Cells per radius.
+    cells: usize,
+    /// Young's angle, degrees.
+    angle: f64,
+    place: WallPlacement,
+    /// Step over the explicit capillary limit.
+    step: f64,
+    /// Thickness of the plate in cells; infinite for a half-space.
+    thick: f64,
+}
 
 /// Result for a drop.
 struct SessileResult {
@@ -111,16 +130,7 @@ struct SessileResult {
 }
 
 pub(crate) fn sessile_model<const D: usize>(grid: Grid<D>, solid: Solid<D>) -> Model<D> {
-    Model {
-        grid,
-        walls: [[Wall::Slip; 2]; D],
-        density: 1.0,
-        kinematic_viscosity: 0.5,
-        surface_tension: 1.0,
-        gravity: Vector::zeros(),
-        solids: vec![solid],
-        numerics: Numerics::default(),
-    }
+    Model { kinematic_viscosity: 0.5, solids: vec![solid], ..unit_model(grid, [[Wall::Slip; 2]; D]) }
 }
 
 /// Radius of the circle or sphere whose cap of this angle (rad) has half the size of the unit disc or ball.
@@ -138,29 +148,26 @@ fn planes<const D: usize>(
     let cells = if mode == Mode::Quick { 8 } else { 16 };
     let mut checks = Vec::new();
     for &angle in angles {
-        let rests: Vec<SessileResult> = places
-            .iter()
-            .map(|p| drop_on_plane::<D>(cells, angle, *p, (DEFAULT_STEP_FACTOR, f64::INFINITY)))
-            .collect::<Result<_, _>>()?;
-        let worst = |f: &dyn Fn(&SessileResult) -> f64| {
-            rests.iter().map(f).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
-        };
+        let wall = PlaneDrop::on_wall(cells, angle, places[0]);
+        let rests = wall.at_places::<D>(places)?;
+        let worst = |value: fn(&SessileResult) -> f64| worst(&rests, value);
         let middle = (45.0..=135.0).contains(&angle);
-        let bars = if middle { (1.5, 0.5) } else { (3.0, 1.5) };
+        let of_angle = if middle { bars(1.5, 0.5) } else { bars(3.0, 1.5) };
         let what = |text: &str| format!("{text}, θ = {angle}°, {cells} cells/R");
-        let found = angle + worst(&|r| r.angle);
-        checks.push(Check::absolute(case, &what("angle"), found, angle, bars.0, Some(bars.1), "deg"));
+        let found = angle + worst(|r| r.angle);
+        checks.push(Check::absolute(case, what("angle"), found, angle, of_angle).in_unit("deg"));
         if mode == Mode::Full {
             if (45.0..=120.0).contains(&angle) {
-                let base = 1.0 + worst(&|r| r.sizes[0]);
-                let height = 1.0 + worst(&|r| r.sizes[1]);
-                checks.push(Check::relative(case, &what("base radius"), base, 1.0, 0.02, Some(0.007), ""));
-                checks.push(Check::relative(case, &what("height"), height, 1.0, 0.02, Some(0.007), ""));
+                let base = 1.0 + worst(|r| r.sizes[0]);
+                let height = 1.0 + worst(|r| r.sizes[1]);
+                checks.push(Check::relative(case, what("base radius"), base, 1.0, bars(0.02, 0.007)));
+                checks.push(Check::relative(case, what("height"), height, 1.0, bars(0.02, 0.007)));
             }
-            checks.push(at_most(case, &what("u_rms √(ρR/γ)"), worst(&|r| r.speed), 1e-2, Some(1e-3), ""));
-            let glide = worst(&|r| r.mean_speed);
-            checks.push(at_most(case, &what("gliding √(ρR/γ)"), glide, 1e-2, Some(1e-3), ""));
-            checks.push(at_most(case, &what("creep"), worst(&|r| r.angle_change), 0.5, Some(0.1), "deg"));
+            checks.push(at_most(case, what("u_rms √(ρR/γ)"), worst(|r| r.speed), bars(1e-2, 1e-3)));
+            let glide = worst(|r| r.mean_speed);
+            checks.push(at_most(case, what("gliding √(ρR/γ)"), glide, bars(1e-2, 1e-3)));
+            checks
+                .push(at_most(case, what("creep"), worst(|r| r.angle_change), bars(0.5, 0.1)).in_unit("deg"));
         }
     }
     Ok(checks)
@@ -173,90 +180,109 @@ fn thin(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for &thick in thick {
         for angle in [60.0, 90.0, 120.0] {
-            let at = |place: &WallPlacement| {
-                drop_on_plane::<2>(cells, angle, *place, (DEFAULT_STEP_FACTOR, thick))
-            };
-            let rests: Vec<SessileResult> = PLACES.iter().map(at).collect::<Result<_, _>>()?;
-            let off = |f: &dyn Fn(&SessileResult) -> f64| {
-                rests.iter().map(f).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
-            };
+            let plate = PlaneDrop { thick, ..PlaneDrop::on_wall(cells, angle, PLACES[0]) };
+            let rests = plate.at_places::<2>(&PLACES)?;
+            let off = |value: fn(&SessileResult) -> f64| worst(&rests, value);
             let what = |text: &str| format!("{text}, {thick:.2} cells thick, θ = {angle}°, {cells} cells/R");
-            let found = angle + off(&|r| r.angle);
-            checks.push(Check::absolute("sessile-thin", &what("angle"), found, angle, 3.0, Some(1.5), "deg"));
-            let speed = off(&|r| r.speed);
-            checks.push(at_most("sessile-thin", &what("u_rms √(ρR/γ)"), speed, 1e-2, Some(1e-3), ""));
+            let found = angle + off(|r| r.angle);
+            checks.push(
+                Check::absolute("sessile-thin", what("angle"), found, angle, bars(3.0, 1.5)).in_unit("deg"),
+            );
+            let speed = off(|r| r.speed);
+            checks.push(at_most("sessile-thin", what("u_rms √(ρR/γ)"), speed, bars(1e-2, 1e-3)));
         }
     }
     Ok(checks)
 }
 
-/// Relaxes half a disc or ball on a plane: the side of a plate of a given thickness (cells), or of a half-space. `step` is the step over
-/// the explicit capillary limit.
-fn drop_on_plane<const D: usize>(
-    cells: usize,
-    angle: f64,
-    place: WallPlacement,
-    (step, thick): (f64, f64),
-) -> Result<SessileResult, StepError> {
-    let dx = 1.0 / cells as f64;
-    let young = angle.to_radians();
-    let radius = cap_radius::<D>(young);
-    let (base, height) = (radius * young.sin(), radius * (1.0 - young.cos()));
-    // Room for the overshooting drop around a wall through the middle.
-    let half = (1.25 * base.max(1.0).max(height) + 1.0) * cells as f64;
-    let grid = Grid::<D>::new([2 * half.ceil() as usize; D], dx);
-    let (tilt, azimuth) = (place.1.to_radians(), if D == 2 { 0.0 } else { PI / 6.0 });
-    let mut normal = Vector::<D>::zeros();
-    normal[D - 1] = tilt.cos();
-    normal[0] += tilt.sin() * azimuth.cos();
-    if D == 3 {
-        normal[1] += tilt.sin() * azimuth.sin();
+/// The largest of the drops' values by size.
+fn worst(rests: &[SessileResult], value: fn(&SessileResult) -> f64) -> f64 {
+    rests.iter().map(value).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
+}
+
+/// The middle of the plane that a drop lies on, and the plane's normal.
+struct Plane<const D: usize> {
+    point: Vector<D>,
+    normal: Vector<D>,
+}
+
+impl PlaneDrop {
+    /// A drop on a half-space with default steps.
+    fn on_wall(cells: usize, angle: f64, place: WallPlacement) -> Self {
+        Self { cells, angle, place, step: DEFAULT_STEP_FACTOR, thick: f64::INFINITY }
     }
-    let mut point = grid.domain_upper() * 0.5;
-    point[D - 1] += place.0 * dx;
-    let shape = if thick.is_finite() {
-        let mut half_size = 2.0 * grid.domain_upper();
-        half_size[D - 1] = 0.5 * thick * dx;
-        Shape::Box { center: point - normal * half_size[D - 1], half_size, rotation: rotation_to(&normal) }
-    } else {
-        Shape::HalfSpace { point, normal }
-    };
-    let mut wall = Solid::new(shape, Motion::Fixed, 1.0).padded(thick * dx, dx);
-    wall.young_cosine = young.cos();
-    let depth = |x: &Vector<D>| (point - x).dot(&normal);
-    let start = |x: &Vector<D>| ((x - point).norm() - 1.0).max(depth(x) - 0.5 * thick * dx);
-    let body = LiquidRegion { signed_distance: &start, velocity: Vector::zeros() };
-    let mut model = sessile_model(grid, wall);
-    model.numerics.capillary_step = step;
-    if D == 3 && angle > DETACHMENT_ANGLE_DEGREES {
-        model.kinematic_viscosity = 1.0;
+
+    /// The drop at rest at each of some places.
+    fn at_places<const D: usize>(self, places: &[WallPlacement]) -> Result<Vec<SessileResult>, StepError> {
+        places.iter().map(|place| Self { place: *place, ..self }.relax::<D>()).collect()
     }
-    // The surface at which the liquid meets the solid.
-    let side = point + normal * model.solids[0].padding;
-    let mut sim = Simulation::new(model, &[body]);
-    let measure = |sim: &Simulation<D>| {
-        let above = |x: &Vector<D>| (x - side).dot(&normal) > 1.5 * dx;
-        let cap = fit_cap(sim, above);
-        (cap.angle_on_plane(&side, &normal), cap.radius)
-    };
-    run_to(&mut sim, TIME * 2.0 / 3.0, |_, _| ())?;
-    let before = measure(&sim).0;
-    run_to(&mut sim, TIME, |_, _| ())?;
-    let (found, size) = measure(&sim);
-    let turned = found.to_radians();
-    let sizes = [size * turned.sin() / base - 1.0, size * (1.0 - turned.cos()) / height - 1.0];
-    Ok(SessileResult {
-        angle: found - angle,
-        sizes,
-        speed: rms_and_mean_speed(&sim).0,
-        mean_speed: rms_and_mean_speed(&sim).1,
-        angle_change: found - before,
-    })
+
+    /// Half a disc or ball on the plane, and the plane at which the liquid meets the solid.
+    fn start<const D: usize>(&self, room: f64) -> (Simulation<D>, Plane<D>) {
+        let Self { angle, thick, .. } = *self;
+        let dx = 1.0 / self.cells as f64;
+        // Room for the overshooting drop around a wall through the middle.
+        let half = room * self.cells as f64;
+        let grid = Grid::<D>::new([2 * half.ceil() as usize; D], dx);
+        let (tilt, azimuth) = (self.place.tilt.to_radians(), if D == 2 { 0.0 } else { PI / 6.0 });
+        let mut normal = Vector::<D>::zeros();
+        normal[D - 1] = tilt.cos();
+        normal[0] += tilt.sin() * azimuth.cos();
+        if D == 3 {
+            normal[1] += tilt.sin() * azimuth.sin();
+        }
+        let mut point = grid.domain_upper() * 0.5;
+        point[D - 1] += self.place.offset * dx;
+        let shape = if thick.is_finite() {
+            let mut half_size = 2.0 * grid.domain_upper();
+            half_size[D - 1] = 0.5 * thick * dx;
+            Shape::Box {
+                center: point - normal * half_size[D - 1],
+                half_size,
+                rotation: rotation_to(&normal),
+            }
+        } else {
+            Shape::HalfSpace { point, normal }
+        };
+        let mut wall = Solid::new(shape, Motion::Fixed, 1.0).padded(thick * dx, dx);
+        wall.young_cosine = angle.to_radians().cos();
+        let depth = |x: &Vector<D>| (point - x).dot(&normal);
+        let start = |x: &Vector<D>| ((x - point).norm() - 1.0).max(depth(x) - 0.5 * thick * dx);
+        let mut model = sessile_model(grid, wall);
+        model.numerics.capillary_step = self.step;
+        if D == 3 && angle > DETACHMENT_ANGLE_DEGREES {
+            model.kinematic_viscosity = 1.0;
+        }
+        let side = point + normal * model.solids[0].padding;
+        (at_rest(model, &start), Plane { point: side, normal })
+    }
+
+    /// Lets half a disc or ball come to rest on the plane.
+    fn relax<const D: usize>(&self) -> Result<SessileResult, StepError> {
+        let young = self.angle.to_radians();
+        let radius = cap_radius::<D>(young);
+        let (base, height) = (radius * young.sin(), radius * (1.0 - young.cos()));
+        let (mut sim, Plane { point, normal }) = self.start::<D>(1.25 * base.max(1.0).max(height) + 1.0);
+        let dx = sim.model.grid.dx;
+        let measure = |sim: &Simulation<D>| {
+            let cap = fit_cap(sim, |x| (x - point).dot(&normal) > 1.5 * dx);
+            (cap.angle_on_plane(&point, &normal), cap.radius)
+        };
+        run_to(&mut sim, TIME * 2.0 / 3.0, |_, _| ())?;
+        let before = measure(&sim).0;
+        run_to(&mut sim, TIME, |_, _| ())?;
+        let (found, size) = measure(&sim);
+        let turned = found.to_radians();
+        let sizes = [size * turned.sin() / base - 1.0, size * (1.0 - turned.cos()) / height - 1.0];
+        let (speed, mean_speed) = rms_and_mean_speed(&sim);
+        let (angle, angle_change) = (found - self.angle, found - before);
+        Ok(SessileResult { angle, sizes, speed, mean_speed, angle_change })
+    }
 }
 
 /// The rotation of the last axis to a direction other than its opposite.
 fn rotation_to<const D: usize>(normal: &Vector<D>) -> Matrix<D> {
-    let up = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+    let up = up::<D>(1.0);
     let both = up + normal;
     Matrix::identity() - both * both.transpose() / (1.0 + normal[D - 1]) + normal * up.transpose() * 2.0
 }
@@ -281,16 +307,14 @@ fn steps() -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for angle in [45.0, 60.0, 90.0, 120.0, 135.0] {
         let angles = |step: f64| -> Result<Vec<f64>, StepError> {
-            TILTED
-                .iter()
-                .map(|p| Ok(drop_on_plane::<2>(16, angle, *p, (step, f64::INFINITY))?.angle))
-                .collect()
+            let drop = PlaneDrop { step, ..PlaneDrop::on_wall(16, angle, TILTED[0]) };
+            Ok(drop.at_places::<2>(&TILTED)?.iter().map(|rest| rest.angle).collect())
         };
         let usual = angles(DEFAULT_STEP_FACTOR)?;
         for step in [0.5, 10.0, 20.0] {
             let turned = angles(step)?.iter().zip(&usual).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             let what = format!("change of the angle, {step} times the limit, θ = {angle}°");
-            checks.push(at_most("sessile-steps", &what, turned, 0.5, None, "deg"));
+            checks.push(at_most("sessile-steps", what, turned, bar(0.5)).in_unit("deg"));
         }
     }
     Ok(checks)
@@ -319,15 +343,13 @@ fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, Ste
         Grid::<D>::new(std::array::from_fn(|a| (size[if a + 1 == D { 2 } else { a }] * cells) as usize), dx);
     let mut center = grid.domain_upper() * 0.5 + Vector::from_fn(|a, _| dx * [0.141, 0.273, 0.368][a]);
     center[D - 1] = 1.4;
-    let mut ball = Solid::new(Shape::Ball { center, radius: solid }, Motion::Fixed, 1.0);
-    ball.young_cosine = angle.to_radians().cos();
+    let ball = wetted(Shape::Ball { center, radius: solid }, angle);
     // A ball around the top of the solid, whose part outside the solid has the drop's volume.
     let volume = if D == 2 { 0.25 * PI * solid * solid } else { PI / 6.0 * solid.powi(3) };
-    let up = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
+    let up = up::<D>(1.0);
     let start = |radius: f64| {
         let distance = |x: &Vector<D>| (x - center - up * solid).norm() - radius;
-        let body = LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() };
-        Simulation::new(Model { kinematic_viscosity: 1.0, ..sessile_model(grid, ball.clone()) }, &[body])
+        at_rest(Model { kinematic_viscosity: 1.0, ..sessile_model(grid, ball.clone()) }, &distance)
     };
     let mut radius = 1.0;
     for _ in 0..8 {
@@ -341,8 +363,8 @@ fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, Ste
     let what = |text: &str| format!("{text} on a {}, θ = {angle}°", if D == 2 { "cylinder" } else { "ball" });
     let case = "sessile-curved";
     Ok(vec![
-        Check::absolute(case, &what("angle"), found, angle, 2.0, Some(1.0), "deg"),
-        Check::relative(case, &what("height / R"), top / solid, apex, 0.02, Some(0.01), ""),
+        Check::absolute(case, what("angle"), found, angle, bars(2.0, 1.0)).in_unit("deg"),
+        Check::relative(case, what("height / R"), top / solid, apex, bars(0.02, 0.01)),
     ])
 }
 
@@ -351,14 +373,11 @@ fn order() -> Result<Vec<Check>, StepError> {
     for cells in [8, 16, 32] {
         let mut square = 0.0;
         for angle in [60.0, 90.0, 120.0] {
-            square += drop_on_plane::<2>(cells, angle, TILTED[0], (DEFAULT_STEP_FACTOR, f64::INFINITY))?
-                .angle
-                .powi(2)
-                / 3.0;
+            square += PlaneDrop::on_wall(cells, angle, TILTED[0]).relax::<2>()?.angle.powi(2) / 3.0;
         }
         errors.push((1.0 / cells as f64, square.sqrt()));
     }
     let text =
         format!("order of the angle's error ({:.2}, {:.2}, {:.2}°)", errors[0].1, errors[1].1, errors[2].1);
-    Ok(vec![at_least("sessile-curved", &text, convergence_order(&errors), 1.0, 1.5)])
+    Ok(vec![at_least("sessile-curved", text, convergence_order(&errors), 1.0, 1.5)])
 }

@@ -1,14 +1,14 @@
 //! Sessile drops under gravity, and their force on the solid.
 
 use super::sessile::{fit_cap, rms_and_mean_speed, sessile_model};
-use crate::measure::{at_most, checks_or_failure, surface_points};
-use crate::setup::run_to;
+use crate::measure::{at_most, bars, checks_or_failure, line_tracker, surface_points};
+use crate::setup::{across_and_up, at_rest, run_to, up, wetted};
 use crate::{Case, Check, Mode};
-use meniscus_numerics::Vector;
 use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LineTracker, LiquidRegion, Motion, Simulation, Solid, StepError};
+use meniscus_numerics::{Matrix, Vector};
+use meniscus_sim::{Simulation, StepError};
 use std::f64::consts::PI;
 
 /// Drops under gravity in 2D.
@@ -37,29 +37,39 @@ pub const CASE_3D: Case = Case {
 };
 
 /// A drop of the table: angle (degrees), Bond number, height and base radius over R0.
-type Row = (f64, f64, f64, f64);
+#[derive(Clone, Copy)]
+struct Row {
+    angle: f64,
+    bond: f64,
+    height: f64,
+    base: f64,
+}
+
+const fn row(angle: f64, bond: f64, height: f64, base: f64) -> Row {
+    Row { angle, bond, height, base }
+}
 
 const ROWS: [Row; 12] = [
-    (30.0, 1.0, 0.49989, 3.99804),
-    (30.0, 5.0, 0.23149, 7.21743),
-    (45.0, 1.0, 0.69775, 2.96354),
-    (45.0, 5.0, 0.34227, 5.00235),
-    (60.0, 1.0, 0.86168, 2.41006),
-    (60.0, 5.0, 0.44709, 3.89971),
-    (90.0, 1.0, 1.12208, 1.77022),
-    (90.0, 5.0, 0.63088, 2.79987),
-    (120.0, 1.0, 1.31705, 1.35572),
-    (120.0, 5.0, 0.76966, 2.25145),
-    (135.0, 1.0, 1.39105, 1.18472),
-    (135.0, 5.0, 0.81961, 2.07197),
+    row(30.0, 1.0, 0.49989, 3.99804),
+    row(30.0, 5.0, 0.23149, 7.21743),
+    row(45.0, 1.0, 0.69775, 2.96354),
+    row(45.0, 5.0, 0.34227, 5.00235),
+    row(60.0, 1.0, 0.86168, 2.41006),
+    row(60.0, 5.0, 0.44709, 3.89971),
+    row(90.0, 1.0, 1.12208, 1.77022),
+    row(90.0, 5.0, 0.63088, 2.79987),
+    row(120.0, 1.0, 1.31705, 1.35572),
+    row(120.0, 5.0, 0.76966, 2.25145),
+    row(135.0, 1.0, 1.39105, 1.18472),
+    row(135.0, 5.0, 0.81961, 2.07197),
 ];
 const ROWS_3D: [Row; 6] = [
-    (60.0, 1.0, 0.77621, 1.71595),
-    (60.0, 5.0, 0.47835, 2.01063),
-    (90.0, 1.0, 1.04291, 1.38849),
-    (90.0, 5.0, 0.66469, 1.66933),
-    (120.0, 1.0, 1.25865, 1.12230),
-    (120.0, 5.0, 0.80148, 1.44373),
+    row(60.0, 1.0, 0.77621, 1.71595),
+    row(60.0, 5.0, 0.47835, 2.01063),
+    row(90.0, 1.0, 1.04291, 1.38849),
+    row(90.0, 5.0, 0.66469, 1.66933),
+    row(120.0, 1.0, 1.25865, 1.12230),
+    row(120.0, 5.0, 0.80148, 1.44373),
 ];
 /// Duration of the runs, √(ρR0³/γ); thin drops are slower.
 const TIME_2D: f64 = 30.0;
@@ -73,7 +83,7 @@ fn plane(mode: Mode) -> Result<Vec<Check>, StepError> {
     }
     let mut checks = Vec::new();
     for row in ROWS {
-        let time = if row.0 <= SLOW_ANGLE_AND_TIME.0 { SLOW_ANGLE_AND_TIME.1 } else { TIME_2D };
+        let time = if row.angle <= SLOW_ANGLE_AND_TIME.0 { SLOW_ANGLE_AND_TIME.1 } else { TIME_2D };
         checks.extend(drop::<2>(case, 16, row, time)?);
     }
     for angle in [60.0, 90.0, 120.0] {
@@ -109,9 +119,11 @@ const fn share<const D: usize>() -> f64 {
 /// ellipsoid around the vertical edge of the domain.
 fn start_drop<const D: usize>(
     cells: usize,
-    (angle, gravity): (f64, f64),
+    angle: f64,
+    gravity: f64,
     volume: f64,
-    (base, widest): (f64, f64),
+    base: f64,
+    widest: f64,
 ) -> WallDrop<D> {
     let dx = 1.0 / cells as f64;
     let round = |x: f64| (x * cells as f64).ceil() as usize;
@@ -122,21 +134,16 @@ fn start_drop<const D: usize>(
     let grid = Grid::<D>::new(size, dx);
     let mut point = if D == 3 { Vector::zeros() } else { grid.domain_upper() * 0.5 };
     point[D - 1] = (0.4 * cells as f64).floor() * dx + 0.3 * dx;
-    let normal = Vector::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.0 });
-    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
-    wall.young_cosine = angle.to_radians().cos();
+    let normal = up(1.0);
+    let wall = wetted(Shape::HalfSpace { point, normal }, angle);
     let mut model = sessile_model(grid, wall);
     model.kinematic_viscosity = 1.0;
     model.gravity[D - 1] = -gravity;
     let start = |height: f64| {
-        let radii = Vector::from_fn(|a, _| if a + 1 == D { height } else { base });
-        let ellipsoid =
-            Shape::Ellipsoid { center: point, radii, rotation: meniscus_numerics::Matrix::identity() };
+        let radii = across_and_up(base, height);
+        let ellipsoid = Shape::Ellipsoid { center: point, radii, rotation: Matrix::identity() };
         let distance = |x: &Vector<D>| ellipsoid.signed_distance(x);
-        Simulation::new(
-            model.clone(),
-            &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }],
-        )
+        at_rest(model.clone(), &distance)
     };
     // Corrects the volume, which is sampled on the lattice.
     for _ in 0..4 {
@@ -146,27 +153,27 @@ fn start_drop<const D: usize>(
 }
 
 fn drop<const D: usize>(case: &str, cells: usize, row: Row, time: f64) -> Result<Vec<Check>, StepError> {
-    let (angle, bond, height, base) = row;
+    let Row { angle, bond, height, base } = row;
     let volume = if D == 2 { PI } else { 4.0 / 3.0 * PI };
-    let WallDrop { mut sim, point } = start_drop::<D>(cells, (angle, bond), volume, (0.85 * base, base));
+    let WallDrop { mut sim, point } = start_drop::<D>(cells, angle, bond, volume, 0.85 * base, base);
     run_to(&mut sim, 0.9 * time, |_, _| ())?;
     let (_, force) = mean_forces(&mut sim, time)?;
     let (found_height, found_base, found_angle) = drop_dimensions(&sim, &point);
-    let bars = if angle < 45.0 { (3.0, 1.5) } else { (1.5, 0.5) };
+    let of_angle = if angle < 45.0 { bars(3.0, 1.5) } else { bars(1.5, 0.5) };
     let what = |text: &str| format!("{text}, θ = {angle}°, Bo = {bond}, {cells} cells/R0");
     let weight = share::<D>() * volume * bond;
     Ok(vec![
-        Check::relative(case, &what("height"), found_height, height, 0.02, Some(0.007), "R0"),
-        Check::relative(case, &what("base radius"), found_base, base, 0.02, Some(0.007), "R0"),
-        Check::relative(case, &what("force on the wall"), -force, weight, 0.02, Some(0.005), ""),
-        Check::absolute(case, &what("angle along the line"), found_angle, angle, bars.0, Some(bars.1), "deg"),
-        at_most(case, &what("u_rms √(ρR0/γ)"), rms_and_mean_speed(&sim).0, 1e-2, Some(1e-3), ""),
+        Check::relative(case, what("height"), found_height, height, bars(0.02, 0.007)).in_unit("R0"),
+        Check::relative(case, what("base radius"), found_base, base, bars(0.02, 0.007)).in_unit("R0"),
+        Check::relative(case, what("force on the wall"), -force, weight, bars(0.02, 0.005)),
+        Check::absolute(case, what("angle along the line"), found_angle, angle, of_angle).in_unit("deg"),
+        at_most(case, what("u_rms √(ρR0/γ)"), rms_and_mean_speed(&sim).0, bars(1e-2, 1e-3)),
     ])
 }
 
 /// A drop without gravity: contact-line force against pressure force.
 fn weightless(case: &str, cells: usize, angle: f64) -> Result<Vec<Check>, StepError> {
-    let WallDrop { mut sim, point } = start_drop::<2>(cells, (angle, 0.0), 0.5 * PI, (1.0, 1.4));
+    let WallDrop { mut sim, point } = start_drop::<2>(cells, angle, 0.0, 0.5 * PI, 1.0, 1.4);
     run_to(&mut sim, 12.0, |_, _| ())?;
     let (pull, sum) = mean_forces(&mut sim, 15.0)?;
     let above = |x: &Vector<2>| x[1] - point[1] > 1.5 / cells as f64;
@@ -175,10 +182,10 @@ fn weightless(case: &str, cells: usize, angle: f64) -> Result<Vec<Check>, StepEr
     let what = |text: &str| format!("{text}, θ = {angle}°, no gravity");
     let should = 2.0 * angle.to_radians().sin();
     Ok(vec![
-        Check::relative(case, &what("pull of the contact line"), pull, should, 0.02, Some(0.005), ""),
-        Check::relative(case, &what("push of the pressure"), pull - sum, should, 0.02, Some(0.005), ""),
-        Check::relative(case, &what("2 a γ/R of the drop's shape"), laplace, should, 0.02, Some(0.005), ""),
-        at_most(case, &what("force on the wall over γ"), sum, 0.02, Some(0.005), ""),
+        Check::relative(case, what("pull of the contact line"), pull, should, bars(0.02, 0.005)),
+        Check::relative(case, what("push of the pressure"), pull - sum, should, bars(0.02, 0.005)),
+        Check::relative(case, what("2 a γ/R of the drop's shape"), laplace, should, bars(0.02, 0.005)),
+        at_most(case, what("force on the wall over γ"), sum, bars(0.02, 0.005)),
     ])
 }
 
@@ -198,13 +205,12 @@ fn mean_forces<const D: usize>(sim: &mut Simulation<D>, end: f64) -> Result<(f64
 /// Height over a horizontal wall through a point, base radius, and mean angle along the line, degrees.
 fn drop_dimensions<const D: usize>(sim: &Simulation<D>, point: &Vector<D>) -> (f64, f64, f64) {
     let dx = sim.model.grid.dx;
-    let line = LineTracker::new(&sim.model, &[dx / 1.5]).extract(sim);
+    let line = line_tracker(sim).extract(sim);
     let length: f64 = line.points.iter().map(|p| p.length).sum();
     let middle = line.points.iter().map(|p| p.at * p.length).sum::<Vector<D>>() / length;
     // A quarter of a drop has its middle at the edge of the domain.
     let quarter = D == 3;
-    let middle =
-        if quarter { Vector::from_fn(|a, _| if a + 1 == D { middle[a] } else { 0.0 }) } else { middle };
+    let middle = if quarter { up(middle[D - 1]) } else { middle };
     let base = line.points.iter().map(|p| (p.at - middle).norm() * p.length).sum::<f64>() / length;
     let points = surface_points(&sim.model, &sim.state.phi);
     let top = points.iter().filter_map(|p| {

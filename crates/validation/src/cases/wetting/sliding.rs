@@ -1,13 +1,13 @@
 //! Drops on slopes without hysteresis and friction, which slide freely.
 
 use super::sessile::sessile_model;
-use crate::measure::checks_or_failure;
-use crate::setup::run_to;
+use crate::measure::{bars, checks_or_failure};
+use crate::setup::{at_rest, run_to, wetted};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Model, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -36,12 +36,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
             let text = format!("way over ½ g sin α t², α = {tilt}°, θ = {angle}°, {cells} cells/R");
             checks.push(Check::relative(
                 NAME,
-                &text,
+                text,
                 sliding_ratio(cells, tilt, angle)?,
                 1.0,
-                0.05,
-                Some(0.01),
-                "",
+                bars(0.05, 0.01),
             ));
         }
     }
@@ -57,15 +55,13 @@ fn sliding_ratio(cells: usize, tilt: f64, angle: f64) -> Result<f64, StepError> 
     let size = Vector::<2>::new(4.2 + 2.5 * c, 2.6 + 4.2 * s);
     let grid = Grid::<2>::new([0, 1].map(|a| (size[a] * cells as f64).ceil() as usize), dx);
     let middle = Vector::<2>::new(0.5 * size[0], 0.45 * size[1] - 0.75 * c + 0.27 * dx);
-    let mut wall = Solid::new(Shape::HalfSpace { point: middle, normal }, Motion::Fixed, 1.0);
-    wall.young_cosine = angle.to_radians().cos();
+    let wall = wetted(Shape::HalfSpace { point: middle, normal }, angle);
     let pull = GRAVITY * s;
     let time = 12f64.min((2.0 * 2.5 / pull).sqrt());
     let way = 0.5 * pull * time * time;
     let start = |x: &Vector<2>| (x - (middle - along * (0.5 * way))).norm() - 1.0;
     let gravity = Vector::<2>::new(0.0, -GRAVITY);
-    let body = LiquidRegion { signed_distance: &start, velocity: Vector::zeros() };
-    let mut sim = Simulation::new(Model { gravity, ..sessile_model(grid, wall) }, &[body]);
+    let mut sim = at_rest(Model { gravity, ..sessile_model(grid, wall) }, &start);
     let before = sim.diagnostics().centroid;
     run_to(&mut sim, time, |_, _| ())?;
     Ok((sim.diagnostics().centroid - before).dot(&along) / way)

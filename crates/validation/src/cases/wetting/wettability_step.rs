@@ -1,13 +1,13 @@
 //! A drop on a slope, pinned with its front at a step of the wettability.
 
 use super::sessile::sessile_model;
-use crate::measure::checks_or_failure;
-use crate::setup::run_to;
+use crate::measure::{bars, checks_or_failure};
+use crate::setup::{at_rest, run_to, wetted};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError, WettabilityLayer};
+use meniscus_sim::{Model, Simulation, StepError, WettabilityLayer};
 use std::f64::consts::PI;
 
 /// The case.
@@ -46,7 +46,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
         }
         let text = format!("critical angle, {what}, {cells} cells/R");
         let found = 0.5 * (range[0] + range[1]);
-        checks.push(Check::absolute(NAME, &text, found, exact, 3.0, Some(1.5), "deg"));
+        checks.push(Check::absolute(NAME, text, found, exact, bars(3.0, 1.5)).in_unit("deg"));
     }
     Ok(checks)
 }
@@ -63,14 +63,12 @@ fn depins(cells: usize, angle: f64, slanting: bool) -> Result<bool, StepError> {
     let size = if slanting { Vector::<2>::new(5.5, 4.5) } else { Vector::<2>::new(5.5, 2.5) };
     let step = if slanting { Vector::<2>::new(3.2, 1.8) } else { Vector::<2>::new(3.2, 0.5 + 0.3 * dx) };
     let grid = Grid::<2>::new([0, 1].map(|a| (size[a] * cells as f64) as usize), dx);
-    let mut wall = Solid::new(Shape::HalfSpace { point: step, normal }, Motion::Fixed, 1.0);
-    wall.young_cosine = 60f64.to_radians().cos();
+    let mut wall = wetted(Shape::HalfSpace { point: step, normal }, 60.0);
     let below = Shape::HalfSpace { point: step, normal: -along };
     wall.pattern = vec![WettabilityLayer::Patch { shape: below, cosine: 120f64.to_radians().cos() }];
     wall.line_friction = 1.0;
     let start = |x: &Vector<2>| (x - (step - along)).norm() - 1.0;
-    let body = LiquidRegion { signed_distance: &start, velocity: Vector::zeros() };
-    let mut sim = Simulation::new(Model { gravity, ..sessile_model(grid, wall) }, &[body]);
+    let mut sim = at_rest(Model { gravity, ..sessile_model(grid, wall) }, &start);
     let below = |sim: &Simulation<2>| (sim.diagnostics().centroid - step).dot(&along) > 0.5;
     for k in 1..=60 {
         run_to(&mut sim, TIME * f64::from(k) / 60.0, |_, _| ())?;

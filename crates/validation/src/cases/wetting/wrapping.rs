@@ -1,10 +1,10 @@
 //! Drops on long deformable sheets: bending, and the threshold of wrapping.
 
-use crate::measure::checks_or_failure;
-use crate::plate::{Plate, PlateSetup, PlateSupport};
+use crate::measure::{bars, checks_or_failure, line_tracker};
+use crate::plate::{Plate, PlateSetup};
 use crate::setup::run_to;
 use crate::{Case, Check, Mode};
-use meniscus_sim::{LineTracker, StepError};
+use meniscus_sim::StepError;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Open sheets.
@@ -61,21 +61,14 @@ const END_LENGTH: f64 = 0.5;
 /// A drop on a sheet with R0/L = `ratio`.
 fn plate_setup(angle: f64, ratio: f64) -> PlateSetup {
     PlateSetup {
-        cells: CELLS,
-        angle,
-        initial_angle: angle,
         length: 6.4,
         thickness: 4.0 / CELLS as f64,
         bending: ratio.powi(-2),
-        poisson: 0.3,
-        own_tension: 0.0,
-        density: 1.0,
         damping: 1.0,
         area: PI,
-        drop_offset: 0.0,
         viscosity: 0.5,
-        support: PlateSupport::Free,
         domain_and_plate_height: [6.4, 2.2],
+        ..PlateSetup::free(CELLS, angle)
     }
 }
 
@@ -84,13 +77,14 @@ fn open(mode: Mode) -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for &(ratio, angle, wetted, slope) in rows {
         let mut plate = plate_setup(angle, ratio).start()?;
-        let tracker = LineTracker::new(&plate.sim.model, &[plate.sim.model.grid.dx / 1.5]);
+        let tracker = line_tracker(&plate.sim);
         let found = plate.mean_over_last_fifth(25.0, |p| p.end_slope(END_LENGTH).to_degrees())?;
         let text = |what: &str| format!("{what}, R0/L = {ratio}, θ = {angle}°, {CELLS} cells/R0");
         let long = plate.wetted_length(&tracker);
         checks.extend([
-            Check::relative("soft-sheet", &text("wetted length / R0"), long, wetted, 0.1, Some(0.04), ""),
-            Check::relative("soft-sheet", &text("slope of the ends"), found, slope, 0.1, Some(0.04), "°"),
+            Check::relative("soft-sheet", text("wetted length / R0"), long, wetted, bars(0.1, 0.04)),
+            Check::relative("soft-sheet", text("slope of the ends"), found, slope, bars(0.1, 0.04))
+                .in_unit("°"),
         ]);
     }
     Ok(checks)
@@ -104,7 +98,7 @@ fn wrap(mode: Mode) -> Result<Vec<Check>, StepError> {
             let mut plate = plate_setup(angle, part * threshold).start()?;
             let value = if ends_wrapped(&mut plate)? { 1.0 } else { 0.0 };
             let text = format!("wraps at {part} times the threshold, θ = {angle}°");
-            checks.push(Check::absolute("soft-wrapping", &text, value, wraps, 0.0, Some(0.0), ""));
+            checks.push(Check::absolute("soft-wrapping", text, value, wraps, bars(0.0, 0.0)));
         }
     }
     Ok(checks)

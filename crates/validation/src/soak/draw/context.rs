@@ -215,6 +215,21 @@ pub fn list(x: &[f64], unit: &str) -> String {
     format!("[{}]", all.join(", "))
 }
 
+/// A ball in scene-file syntax.
+pub fn ball(center: &[f64], radius: f64) -> String {
+    format!("{{ ball = {{ center = {}, radius = {} }} }}", lengths(center), length(radius))
+}
+
+/// A box along the axes in scene-file syntax.
+pub fn corner_box(lower: &[f64], upper: &[f64]) -> String {
+    format!("{{ box = {{ lower = {}, upper = {} }} }}", lengths(lower), lengths(upper))
+}
+
+/// A half-space in scene-file syntax.
+pub fn half_space(point: &[f64], normal: &[f64]) -> String {
+    format!("{{ half_space = {{ point = {}, normal = {} }} }}", lengths(point), numbers(normal))
+}
+
 /// A direction in scene-file syntax.
 pub fn numbers(x: &[f64]) -> String {
     let all: Vec<String> = x.iter().map(|x| format!("{x:.6}")).collect();

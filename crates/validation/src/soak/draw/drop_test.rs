@@ -10,7 +10,7 @@
 //!
 //! A fall starts shortly above the ground with the speed of the remaining height, because there is no air and the flight only costs time.
 
-use super::context::{length, lengths, list};
+use super::context::{ball, corner_box, length, lengths, list};
 use super::random::Random;
 use crate::soak::{CaseOptions, CaseSet};
 use std::fmt::Write as _;
@@ -176,8 +176,7 @@ impl Case {
             "floor" => Ground { level: 0.0, top: 1e-3, drop: drop(middle, 0.0, 1e-3), solid },
             "corner" => Ground { level: 0.0, top: 1.5e-3, drop: drop(0.0, 0.0, 1.5e-3), solid },
             "rigid-ball" => {
-                let center = lengths(&self.at(middle, 2.5e-3));
-                let shape = format!("{{ ball = {{ center = {center}, radius = {} }} }}", length(1.5e-3));
+                let shape = ball(&self.at(middle, 2.5e-3), 1.5e-3);
                 let solid = format!(
                     "\n[[solid]]\nname = \"ground\"\nshape = {shape}\nmaterial.rigid = {{ fixed = true }}\n"
                 );
@@ -188,9 +187,7 @@ impl Case {
                 if self.dimension == 3 {
                     (lower[1], upper[1]) = (lower[1] - 2e-3, upper[1] + 2e-3);
                 }
-                let shape =
-                    format!("{{ box = {{ lower = {}, upper = {} }} }}", lengths(&lower), lengths(&upper));
-                let solid = self.soft("ground", &shape, 1);
+                let solid = self.soft("ground", &corner_box(&lower, &upper), 1);
                 Ground { level: 2.5e-3, top: 3.3e-3, drop: drop(middle, 2.5e-3, 0.8e-3), solid }
             }
             "bath" => Ground { level: 4e-3, top: 4e-3, drop: None, solid },
@@ -201,11 +198,7 @@ impl Case {
     fn liquid(&self, ground: &Ground, center: &[f64], velocity: &[f64]) -> String {
         let body = |shape: String| format!("\n[[liquid.body]]\nshape = {shape}\n");
         if let Some((at, radius)) = &ground.drop {
-            return body(format!(
-                "{{ ball = {{ center = {}, radius = {} }} }}",
-                lengths(at),
-                length(*radius)
-            ));
+            return body(ball(at, *radius));
         }
         let last = self.dimension - 1;
         if GROUNDS[self.ground] == "bath" {
@@ -218,14 +211,13 @@ impl Case {
         let mut top = center.to_vec();
         let tilt = if SHAPES[self.shape] == "ball" { 0.0 } else { self.tilt };
         (top[0], top[last]) = (top[0] - high * tilt.sin(), top[last] + high * tilt.cos());
-        let ball = format!("{{ ball = {{ center = {}, radius = {} }} }}", lengths(&top), length(0.9e-3));
-        format!("{}velocity = {}\n", body(ball), list(velocity, "m/s"))
+        format!("{}velocity = {}\n", body(ball(&top, 0.9e-3)), list(velocity, "m/s"))
     }
 
     fn solid(&self, center: &[f64], velocity: &[f64]) -> String {
         let half = self.half();
         let shape = if SHAPES[self.shape] == "ball" {
-            format!("{{ ball = {{ center = {}, radius = {} }} }}", lengths(center), length(half[0]))
+            ball(center, half[0])
         } else {
             let size: Vec<f64> = half.iter().map(|h| 2.0 * h).collect();
             let degrees = self.tilt.to_degrees();

@@ -3,7 +3,7 @@
 //! Not covered: images of the angle and the user's mesh files, which need files; thin sheets and threads, which no version runs yet;
 //! numerical options for studies (`fixed_step`, `restore_momentum = false`).
 
-use super::context::{SceneContext, length, lengths, list, numbers};
+use super::context::{SceneContext, corner_box, half_space, length, list};
 use super::random::Random;
 use super::shapes::{ShapeRegion, Use};
 use super::solids::Solids;
@@ -49,13 +49,12 @@ fn bath(random: &mut Random, world: &SceneContext) -> String {
         0 => {
             let mut up = vec![0.0; world.dimension];
             up[last] = 1.0;
-            format!("{{ half_space = {{ point = {}, normal = {} }} }}", lengths(&at), numbers(&up))
+            half_space(&at, &up)
         }
         1 => {
             let mut upper: Vec<f64> = world.size.iter().map(|s| s * random.uniform(0.3, 1.0)).collect();
             upper[last] = level;
-            let lower = lengths(&vec![0.0; world.dimension]);
-            format!("{{ box = {{ lower = {lower}, upper = {} }} }}", lengths(&upper))
+            corner_box(&vec![0.0; world.dimension], &upper)
         }
         _ => {
             let (long, high) = (world.size[0] / (1.0 + random.index_below(2) as f64), 0.05 * world.size[0]);

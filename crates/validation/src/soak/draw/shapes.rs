@@ -1,6 +1,6 @@
 //! Bounded random shapes of solids and liquid.
 
-use super::context::{SceneContext, length, lengths, numbers};
+use super::context::{SceneContext, ball, length, lengths, numbers};
 use super::random::Random;
 
 /// Use of a shape.
@@ -69,11 +69,7 @@ impl ShapeRegion<'_> {
     }
 
     fn ball(&self) -> String {
-        self.ball_at(&self.center, self.radius)
-    }
-
-    fn ball_at(&self, center: &[f64], radius: f64) -> String {
-        format!("{{ ball = {{ center = {}, radius = {} }} }}", lengths(center), length(radius))
+        ball(&self.center, self.radius)
     }
 
     /// A box of random proportions, often thin, rotated or not.
@@ -146,7 +142,7 @@ impl ShapeRegion<'_> {
             self.center.iter().zip(&along).map(|(c, a)| c + sign * off * a).collect()
         };
         let radius = self.radius - off;
-        [self.ball_at(&at(-1.0), radius), self.ball_at(&at(1.0), radius * random.uniform(0.8, 1.0))]
+        [ball(&at(-1.0), radius), ball(&at(1.0), radius * random.uniform(0.8, 1.0))]
     }
 
     fn union(&self, random: &mut Random) -> String {
@@ -162,7 +158,7 @@ impl ShapeRegion<'_> {
     fn difference(&self, random: &mut Random) -> String {
         let along = random.direction(self.world.dimension);
         let at: Vec<f64> = self.center.iter().zip(&along).map(|(c, a)| c + self.radius * a).collect();
-        let (of, minus) = (self.ball(), self.ball_at(&at, random.uniform(0.3, 0.7) * self.radius));
+        let (of, minus) = (self.ball(), ball(&at, random.uniform(0.3, 0.7) * self.radius));
         format!("{{ difference = {{ of = {of}, minus = {minus} }} }}")
     }
 

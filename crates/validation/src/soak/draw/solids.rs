@@ -1,6 +1,6 @@
 //! Random solids: material, position, motion, and wetting.
 
-use super::context::{SceneContext, angle, length, lengths, list, numbers};
+use super::context::{SceneContext, angle, ball, corner_box, half_space, length, lengths, list};
 use super::random::Random;
 use super::shapes::{ShapeRegion, Use};
 use crate::soak::Class;
@@ -132,17 +132,14 @@ fn ground_shape(random: &mut Random, world: &mut SceneContext) -> (String, Vec<f
         (normal[0], normal[last]) = (tilt.sin(), tilt.cos());
         top[last] = thick;
         world.floor = thick + 0.4 * world.size[0] * tilt.tan().abs();
-        let shape =
-            format!("{{ half_space = {{ point = {}, normal = {} }} }}", lengths(&top), numbers(&normal));
-        return (shape, top, reach);
+        return (half_space(&top, &normal), top, reach);
     }
     let low = if random.bernoulli(0.5) { 0.0 } else { random.uniform(0.05, 0.2) * world.size[last] };
     let (mut lower, mut upper) = (vec![0.0; world.dimension], world.size.clone());
     (lower[last], upper[last]) = (low, low + thick);
     top[last] = low + thick;
     world.floor = top[last];
-    let shape = format!("{{ box = {{ lower = {}, upper = {} }} }}", lengths(&lower), lengths(&upper));
-    (shape, top, reach)
+    (corner_box(&lower, &upper), top, reach)
 }
 
 /// A prescribed motion that stays inside the domain, by keyframes or with a constant velocity.
@@ -216,13 +213,13 @@ fn anchored_part(random: &mut Random, world: &SceneContext, center: &[f64], reac
     } else {
         lower[axis] = upper[axis] - depth
     }
-    let part = format!("box = {{ lower = {}, upper = {} }}", lengths(&lower), lengths(&upper));
+    let part = corner_box(&lower, &upper);
     if random.bernoulli(0.85) {
-        return format!("fixed = [{{ {part} }}]");
+        return format!("fixed = [{part}]");
     }
     let speed = random.uniform(0.0, 0.3) * reach / world.duration;
     let velocity: Vec<f64> = random.direction(world.dimension).iter().map(|x| x * speed).collect();
-    format!("moved = [{{ shape = {{ {part} }}, velocity = {} }}]", list(&velocity, "m/s"))
+    format!("moved = [{{ shape = {part}, velocity = {} }}]", list(&velocity, "m/s"))
 }
 
 /// Wetting of a solid: an angle, both tensions, a gradient, and patches over them.
@@ -248,11 +245,9 @@ fn wetting(random: &mut Random, world: &SceneContext, center: &[f64], reach: f64
     }
     let at: Vec<f64> =
         random.direction(world.dimension).iter().zip(center).map(|(a, c)| c + 0.5 * reach * a).collect();
-    let (at, radius) = (lengths(&at), length(reach * random.uniform(0.3, 0.8)));
+    let patch = ball(&at, reach * random.uniform(0.3, 0.8));
     let angle = angle(random);
-    format!(
-        "{base}, patches = [{{ shape = {{ ball = {{ center = {at}, radius = {radius} }} }}, contact_angle = \"{angle:.2} deg\" }}]"
-    )
+    format!("{base}, patches = [{{ shape = {patch}, contact_angle = \"{angle:.2} deg\" }}]")
 }
 
 /// Both surface tensions of a solid, for an angle between 10 and 170 degrees.

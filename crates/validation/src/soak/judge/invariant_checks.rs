@@ -87,35 +87,11 @@ impl<const D: usize> InvariantChecks<D> {
     pub fn check(&mut self, simulation: &Simulation<D>, report: &StepReport<D>) -> Vec<Violation> {
         let (model, state, ledger) = (&simulation.model, &simulation.state, &report.diagnostics);
         let mut found = StepViolations { step: state.step, time: state.time, all: Vec::new() };
-        found.at_most(
-            "not-finite",
-            count_not_finite(ledger) as f64,
-            0.0,
-            "sums over the liquid that are not finite",
-        );
+        let not_finite = count_not_finite(ledger) as f64;
+        found.at_most("not-finite", not_finite, 0.0, "sums over the liquid that are not finite");
         self.check_energy(&mut found, simulation, ledger);
         self.check_momentum(&mut found, simulation, ledger);
-        found.at_most(
-            "volume-before",
-            report.repairs.volume_shift / self.volume,
-            MAX_VOLUME_ERROR,
-            "share of the volume shifted in a step",
-        );
-        let leaked = report.repairs.leaked_volume / self.volume;
-        found.at_most(
-            "leak",
-            leaked,
-            MAX_VOLUME_ERROR,
-            "share of the volume leaked through a solid in a step",
-        );
-        let misplaced = ledger.volume_error.abs() * ledger.target_volume / self.volume;
-        found.at_most("volume", misplaced, MAX_VOLUME_ERROR, "share of the volume misplaced");
-        found.at_most(
-            "volume",
-            state.lost_volume / self.volume,
-            MAX_VOLUME_ERROR,
-            "share of the volume lost",
-        );
+        self.check_volume(&mut found, state, report);
         found.at_most("speed", ledger.max_speed, MAX_SPEED_RATIO * self.speed, "m/s");
         let rigid = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);
         let fastest = rigid.map(|(s, now)| s.max_speed(now)).fold(0.0, f64::max);
@@ -124,26 +100,37 @@ impl<const D: usize> InvariantChecks<D> {
             found.add("inverted", least, 0.0, "ratio of an element's volume to that at rest");
         }
         if state.step.is_multiple_of(CHECK_INTERVAL_STEPS) {
-            let fields = state.velocity.axes.iter().chain([&state.phi.data]).flatten();
-            found.at_most(
-                "not-finite",
-                fields.filter(|v| !v.is_finite()).count() as f64,
-                0.0,
-                "values of fields that are not finite",
-            );
-            let allowed =
-                (MAX_OVERLAP_CELLS * model.grid.dx).max(self.overlap + MAX_OVERLAP_CELLS * model.grid.dx);
-            if self.has_no_prescribed_motion {
-                found.at_most("overlap", deepest_overlap(model, &state.solids), allowed, "m");
-            }
-            found.at_most(
-                "within-solid",
-                deepest_liquid(simulation),
-                MAX_LIQUID_DEPTH_CELLS * model.grid.dx,
-                "m",
-            );
+            self.check_fields_and_overlaps(&mut found, simulation);
         }
         found.all
+    }
+
+    /// Volume shifted, leaked, misplaced and lost, over that at the start.
+    fn check_volume(&self, found: &mut StepViolations, state: &State<D>, report: &StepReport<D>) {
+        let (ledger, repairs) = (&report.diagnostics, &report.repairs);
+        let mut check = |kind: &str, share: f64, words: &str| {
+            found.at_most(kind, share, MAX_VOLUME_ERROR, words);
+        };
+        check("volume-before", repairs.volume_shift / self.volume, "share of the volume shifted in a step");
+        let leaked = repairs.leaked_volume / self.volume;
+        check("leak", leaked, "share of the volume leaked through a solid in a step");
+        let misplaced = ledger.volume_error.abs() * ledger.target_volume / self.volume;
+        check("volume", misplaced, "share of the volume misplaced");
+        check("volume", state.lost_volume / self.volume, "share of the volume lost");
+    }
+
+    /// Checks that cost as much as a step: fields, overlaps, liquid within solids.
+    fn check_fields_and_overlaps(&self, found: &mut StepViolations, simulation: &Simulation<D>) {
+        let (model, state) = (&simulation.model, &simulation.state);
+        let dx = model.grid.dx;
+        let fields = state.velocity.axes.iter().chain([&state.phi.data]).flatten();
+        let not_finite = fields.filter(|v| !v.is_finite()).count() as f64;
+        found.at_most("not-finite", not_finite, 0.0, "values of fields that are not finite");
+        if self.has_no_prescribed_motion {
+            let allowed = (MAX_OVERLAP_CELLS * dx).max(self.overlap + MAX_OVERLAP_CELLS * dx);
+            found.at_most("overlap", deepest_overlap(model, &state.solids), allowed, "m");
+        }
+        found.at_most("within-solid", deepest_liquid(simulation), MAX_LIQUID_DEPTH_CELLS * dx, "m");
     }
 
     /// The energy is taken at the time of the velocities ([`EnergyMonitor`]), where it is conserved for solids; at the positions the

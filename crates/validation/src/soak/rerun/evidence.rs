@@ -15,9 +15,11 @@ use std::path::Path;
 /// [`FileError`].
 pub fn write<const D: usize>(
     out: &Path,
-    (scene, text): (&Scene, &str),
+    scene: &Scene,
+    text: &str,
     model: &Model<D>,
-    (state, tally): (&State<D>, &RunStatistics),
+    state: &State<D>,
+    tally: &RunStatistics,
 ) -> Result<(), FileError> {
     write_scene(out, &scene.name, text)?;
     let folder = Folder::at(&out.join(&scene.name));

@@ -29,7 +29,8 @@ pub struct Shrunk {
 /// A message if nothing can be written or started.
 pub fn shrink(
     launch: &Launcher,
-    (scene, first): (Scene, Outcome),
+    scene: Scene,
+    first: Outcome,
     kind: &str,
     each: &mut dyn FnMut(&str),
 ) -> Result<Shrunk, String> {

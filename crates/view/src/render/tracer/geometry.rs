@@ -39,18 +39,8 @@ pub(crate) struct TriMesh {
 
 impl TriMesh {
     /// A mesh of points in picture coordinates. A facet is wetted if `wetted` is true at all its vertices. Edges sharper than
-    /// `crease` (cosine) stay sharp.
-    pub(crate) fn new(points: &[V3], faces: &[[u32; 3]], wetted: &[bool], crease: f64) -> Self {
-        Self::tinted(points, faces, (wetted, &[]), crease)
-    }
-
-    /// Like [`TriMesh::new`], with a tint at each vertex, 0 (none) to 1.
-    pub(crate) fn tinted(
-        points: &[V3],
-        faces: &[[u32; 3]],
-        (wetted, tint): (&[bool], &[f64]),
-        crease: f64,
-    ) -> Self {
+    /// `crease` (cosine) stay sharp. `tint` is that of each vertex, 0 (none) to 1; there is none where it is too short.
+    pub(crate) fn new(points: &[V3], faces: &[[u32; 3]], wetted: &[bool], tint: &[f64], crease: f64) -> Self {
         let (normals, corners) = corner_normals(points, faces, crease);
         let mut boxes = Vec::with_capacity(faces.len());
         let mut all = Vec::with_capacity(faces.len());

@@ -74,7 +74,7 @@ impl<'a> Scene<'a> {
             let places = shading.map_or_else(Vec::new, |shading| shading.places(mesh));
             shades.push(shading.filter(|_| !places.is_empty()).map(|shading| shading.shade));
             let tint = if places.is_empty() { tint(mesh) } else { places };
-            solids.push(TriMesh::tinted(&points, &mesh.faces, (&[], &tint), 0.8));
+            solids.push(TriMesh::new(&points, &mesh.faces, &[], &tint, 0.8));
             surfaces.push(SurfaceMesh { positions: points, facets: mesh.faces.clone() });
         }
         snap_to_solids(&mut points, &frame.liquid.faces, &wetted, &surfaces, setup.dx.unwrap_or(0.0));
@@ -92,7 +92,7 @@ impl<'a> Scene<'a> {
         Self {
             setup,
             style: options.style,
-            liquid: TriMesh::new(&points, &frame.liquid.faces, &wetted, 0.3),
+            liquid: TriMesh::new(&points, &frame.liquid.faces, &wetted, &[], 0.3),
             solids,
             shades,
             line,

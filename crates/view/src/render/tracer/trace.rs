@@ -13,7 +13,7 @@ use crate::color_map::linear_from_srgb;
 use crate::folder::V3;
 use crate::render::Style;
 use crate::render::camera::corners;
-use crate::render::image::Canvas;
+use crate::render::image::{Canvas, ImageSize};
 
 /// Weight of a path below which it ends in the environment.
 const MIN_PATH_WEIGHT: f64 = 0.03;
@@ -53,7 +53,7 @@ struct Tracer<'a> {
 }
 
 /// Renders a scene.
-pub(crate) fn picture(scene: &Scene, size: (u32, u32), samples: u32) -> Canvas {
+pub(crate) fn picture(scene: &Scene, size: ImageSize, samples: u32) -> Canvas {
     let tracer = Tracer { scene, light: LightMap::new(scene) };
     let mut canvas = Canvas::new(size, V3::zeros());
     let mut depth = vec![f64::INFINITY; canvas.pixels.len()];

@@ -94,6 +94,21 @@ pub fn cuboid(lower: [f64; 3], upper: [f64; 3], n: u32) -> PlyMesh {
     mesh
 }
 
+/// Faces of a closed mesh of a pole, rings of `around` vertices and another pole, in this order.
+pub fn ring_faces(rings: u32, around: u32) -> Vec<[u32; 3]> {
+    let at = |ring: u32, k: u32| 1 + (ring - 1) * around + k % around;
+    let mut faces = Vec::new();
+    for k in 0..around {
+        faces.push([0, at(1, k), at(1, k + 1)]);
+        for ring in 1..rings {
+            faces.push([at(ring, k), at(ring + 1, k), at(ring + 1, k + 1)]);
+            faces.push([at(ring, k), at(ring + 1, k + 1), at(ring, k + 1)]);
+        }
+        faces.push([at(rings, k), 1 + rings * around, at(rings, k + 1)]);
+    }
+    faces
+}
+
 /// A drop lying at height `z` about `center`: contact angle (rad), contact radius, and an elliptic wobble.
 pub fn cap(center: [f64; 2], z: f64, angle: f64, radius: f64, wobble: f64) -> (PlyMesh, PlyMesh) {
     const RINGS: u32 = 70;
@@ -121,18 +136,10 @@ pub fn cap(center: [f64; 2], z: f64, angle: f64, radius: f64, wobble: f64) -> (P
         }
     }
     push(0.0, 0.0, 0.0, 1.0);
-    let at = |ring: u32, k: u32| 1 + (ring - 1) * AROUND + k % AROUND;
-    let last = RINGS + FLAT - 1;
-    for k in 0..AROUND {
-        mesh.faces.push([0, at(1, k), at(1, k + 1)]);
-        for ring in 1..last {
-            mesh.faces.push([at(ring, k), at(ring + 1, k), at(ring + 1, k + 1)]);
-            mesh.faces.push([at(ring, k), at(ring + 1, k + 1), at(ring, k + 1)]);
-        }
-        mesh.faces.push([at(last, k), 1 + last * AROUND, at(last, k + 1)]);
-    }
+    mesh.faces = ring_faces(RINGS + FLAT - 1, AROUND);
     mesh.scalars.insert("kind".into(), kind);
-    let ring: Vec<[f64; 3]> = (0..AROUND).map(|k| mesh.positions[at(RINGS, k) as usize]).collect();
+    let first = 1 + (RINGS - 1) * AROUND;
+    let ring: Vec<[f64; 3]> = (0..AROUND).map(|k| mesh.positions[(first + k) as usize]).collect();
     let mut line = PlyMesh { positions: ring, ..PlyMesh::default() };
     line.edges = (0..AROUND).map(|k| [k, (k + 1) % AROUND]).collect();
     line.scalars.insert("angle".into(), vec![angle.to_degrees(); AROUND as usize]);
