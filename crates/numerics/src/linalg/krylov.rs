@@ -1,26 +1,34 @@
-//! The conjugate gradient method.
+//! The conjugate gradient method (M. Hestenes, E. Stiefel, "Methods of conjugate gradients for solving linear systems", J. Res. NBS 49
+//! (1952) 409) for `A x = b` with a symmetric positive definite `A`.
+//!
+//! With the preconditioner `M ≈ A⁻¹` each iteration minimises `(x − A⁻¹ b)ᵀ A (x − A⁻¹ b)` over `x₀ + span{M r₀, M A M r₀, …}` by a
+//! three-term recursion. The error falls at least as fast as `2 ((√κ − 1)/(√κ + 1))^k` with the condition number `κ` of `M A`.
+//!
+//! Limit: `A` may be singular if `b` is in its range, but not indefinite.
 
-use super::operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
+use super::operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
 use super::vectors;
+
+/// Growth of the square of the residual at which the iteration is given up as divergent.
+const MAX_GROWTH: f64 = 1e12;
 
 /// Solves `A x = b` by preconditioned conjugate gradients, starting from the `x` passed in.
 ///
-/// Stops when the true residual `b − A x`, recomputed at the end, is at most `tolerance` times `b` in the 2-norm. If the
+/// Stops when the true residual `b − A x`, recomputed at the end, is at most `limits.tolerance` times `b` in the 2-norm. If the
 /// recursive residual reached that but the true one did not, the iteration restarts from there.
 ///
 /// # Errors
-/// [`SolveError`] after `max_iterations`, with the last iterate in `x`. It is also returned if the operator or the
-/// preconditioner is not positive or a number is not finite; `x` is then meaningless.
+/// [`SolveError::NotConverged`] after `limits.max_iterations`, with the last iterate in `x`. It is also returned if the operator or
+/// the preconditioner is not positive, and [`SolveError::NotFinite`] if a number is not finite; `x` is then meaningless.
 pub fn conjugate_gradient(
     operator: &impl LinearOperator,
     preconditioner: &impl Preconditioner,
     b: &[f64],
     x: &mut [f64],
-    tolerance: f64,
-    max_iterations: usize,
+    limits: SolveLimits,
 ) -> Result<SolveReport, SolveError> {
     let mut work = [(); 3].map(|()| vec![0.0; operator.size()]);
-    conjugate_gradient_with_workspace(operator, preconditioner, b, x, (tolerance, max_iterations), &mut work)
+    conjugate_gradient_with_workspace(operator, preconditioner, b, x, limits, &mut work)
 }
 
 /// The same with three work vectors from the caller. Their contents do not matter, except that entries that the operator
@@ -33,7 +41,7 @@ pub fn conjugate_gradient_with_workspace(
     preconditioner: &impl Preconditioner,
     b: &[f64],
     x: &mut [f64],
-    (tolerance, max_iterations): (f64, usize),
+    limits: SolveLimits,
     work: &mut [Vec<f64>; 3],
 ) -> Result<SolveReport, SolveError> {
     let norm = vectors::dot(b, b).sqrt();
@@ -44,26 +52,51 @@ pub fn conjugate_gradient_with_workspace(
         x.fill(0.0);
         return Ok(SolveReport::default());
     }
-    // The last vector holds the preconditioned residual and the image of the direction in turn.
-    let [r, p, q] = work;
-    // The recursion uses residuals relative to the right-hand side.
-    let scale = 1.0 / norm;
     let mut iterations = 0;
     loop {
+        // The recursion uses residuals relative to the right-hand side.
+        let [r, _, q] = &mut *work;
         operator.apply(x, q);
-        let mut square = vectors::scaled_residual(scale, b, q, r);
-        let start = square;
+        let square = vectors::scaled_residual(1.0 / norm, b, q, r);
+        if !square.is_finite() {
+            return Err(SolveError::NotFinite { iteration: iterations });
+        }
+        if square.sqrt() <= limits.tolerance {
+            return Ok(SolveReport { iterations, residual: square.sqrt() });
+        }
+        let restart = Restart { norm, square, limits };
+        iterations = restart.iterate(operator, preconditioner, x, work, iterations)?;
+    }
+}
+
+/// One run of the recursion, from a true residual to a recursive one below the tolerance.
+struct Restart {
+    /// Norm of the right-hand side.
+    norm: f64,
+    /// Square of the norm of the residual at the start, relative to the right-hand side.
+    square: f64,
+    limits: SolveLimits,
+}
+
+impl Restart {
+    /// Iterates from `iterations` iterations done and the residual in the first work vector; returns their new number.
+    fn iterate(
+        self,
+        operator: &impl LinearOperator,
+        preconditioner: &impl Preconditioner,
+        x: &mut [f64],
+        work: &mut [Vec<f64>; 3],
+        mut iterations: usize,
+    ) -> Result<usize, SolveError> {
+        // The last vector holds the preconditioned residual and the image of the direction in turn.
+        let [r, p, q] = work;
+        let Self { norm, square: start, limits: SolveLimits { tolerance, max_iterations } } = self;
         let failed = |iterations, square: f64| SolveError::NotConverged {
             iterations,
             residual: square.sqrt(),
             tolerance,
         };
-        if !square.is_finite() {
-            return Err(SolveError::NotFinite { iteration: iterations });
-        }
-        if square.sqrt() <= tolerance {
-            return Ok(SolveReport { iterations, residual: square.sqrt() });
-        }
+        let mut square = start;
         let (mut alpha, mut rho) = (0.0, 0.0);
         while square.sqrt() > tolerance {
             if iterations == max_iterations {
@@ -89,10 +122,11 @@ pub fn conjugate_gradient_with_workspace(
             alpha = rho / curvature;
             square = vectors::subtract_scaled(alpha, q, r);
             iterations += 1;
-            if !square.is_finite() || square > 1e12 * start {
+            if !square.is_finite() || square > MAX_GROWTH * start {
                 return Err(SolveError::NotFinite { iteration: iterations });
             }
         }
         vectors::axpy(alpha * norm, p, x);
+        Ok(iterations)
     }
 }

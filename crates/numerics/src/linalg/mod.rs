@@ -8,7 +8,7 @@ mod vectors;
 
 pub use jacobi::Jacobi;
 pub use krylov::{conjugate_gradient, conjugate_gradient_with_workspace};
-pub use operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
+pub use operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
 pub use poisson::{
     CoupledBodies, InPlaceSolve, PoissonInput, PressureSolver, SparseColumn, SubdomainInverse,
 };

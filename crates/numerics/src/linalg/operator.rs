@@ -21,6 +21,15 @@ pub trait Preconditioner: Sync {
     fn apply(&self, r: &[f64], z: &mut [f64]) -> f64;
 }
 
+/// When an iterative solve ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolveLimits {
+    /// Largest norm of the residual at the end, relative to the right-hand side (dimensionless).
+    pub tolerance: f64,
+    /// Largest number of iterations.
+    pub max_iterations: usize,
+}
+
 /// Result of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolveReport {

@@ -17,7 +17,7 @@ use crate::model::time_step::PhaseEnd;
 use crate::solid::SolidState;
 use crate::state::State;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Segment};
-use meniscus_numerics::linalg::{PoissonInput, PressureSolver, SolveError, SolveReport};
+use meniscus_numerics::linalg::{PoissonInput, PressureSolver, SolveError, SolveLimits, SolveReport};
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -117,7 +117,7 @@ impl<const D: usize> PressureFields<D> {
             self.dirichlet.data[flow.0 as usize] += porous;
         }
         let solver = self.build_solver(model, p);
-        let limits = (tolerance, model.numerics.max_iterations);
+        let limits = SolveLimits { tolerance, max_iterations: model.numerics.max_iterations };
         let none = SolveReport { iterations: 0, residual: 0.0 };
         let mut solves = [none; 2];
         if warm_start {

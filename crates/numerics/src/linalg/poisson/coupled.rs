@@ -8,9 +8,9 @@
 //! this lumped compliance to the Dirichlet coefficients, and it is subtracted here.
 
 use super::schwarz::{Schwarz, SubdomainInverse};
-use super::solver::{PressureSolver, UnconvergedIterate};
+use super::solver::{PressureSolver, RelatedSystem, UnconvergedIterate};
 use crate::grid::{CellField, Lattice};
-use crate::linalg::operator::{LinearOperator, SolveError, SolveReport};
+use crate::linalg::operator::{LinearOperator, SolveError, SolveLimits, SolveReport};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
@@ -100,9 +100,9 @@ impl<const D: usize> PressureSolver<D> {
         bodies: Option<&CoupledBodies<'_>>,
         rhs: &CellField<D>,
         x: &mut CellField<D>,
-        limits: (f64, usize),
+        limits: SolveLimits,
     ) -> Result<SolveReport, SolveError> {
-        let Some(body) = bodies else { return self.solve(rhs, x, limits.0, limits.1) };
+        let Some(body) = bodies else { return self.solve(rhs, x, limits) };
         let lattice = rhs.grid.lattice();
         let entry = |cell: u32| self.entry(lattice.coordinates(cell as usize));
         let translate = |column: &SparseColumn| {
@@ -114,14 +114,14 @@ impl<const D: usize> PressureSolver<D> {
         let coupled = CoupledOperator { system: self, body, entries };
         // Multigrid alone may take as long as building the exact inverse on the bodies' cells would: the total is at most
         // twice the time of the faster of both (ski rental).
-        let (tolerance, most) = limits;
+        let multigrid =
+            RelatedSystem { operator: &coupled, preconditioner: self.preconditioner(), floats: &floats };
+        let SolveLimits { tolerance, max_iterations: most } = limits;
         let mut done = 0;
         if body.subdomain_inverse.get().is_none() {
             let first = most.min(body.flux_rows.len().div_ceil(BATCH_SPEEDUP));
-            let system = (rhs, &mut *x);
-            let (limits, multigrid) = ((tolerance, first), self.preconditioner());
-            let report =
-                self.solve_system(&coupled, multigrid, &floats, system, limits, UnconvergedIterate::Keep);
+            let limits = SolveLimits { tolerance, max_iterations: first };
+            let report = self.solve_system(&multigrid, rhs, x, limits, UnconvergedIterate::Keep);
             let slow =
                 matches!(report, Err(SolveError::NotConverged { iterations, .. }) if iterations == first);
             if !slow || first == most {
@@ -130,17 +130,15 @@ impl<const D: usize> PressureSolver<D> {
             done = first;
         }
         let subdomain = body.subdomain_inverse.get_or_init(|| coupled.assemble_subdomain_inverse(lattice));
-        let limits = (tolerance, most - done);
+        let limits = SolveLimits { tolerance, max_iterations: most - done };
         let report = match subdomain {
             Some(subdomain) => {
                 let work = Mutex::new([(); 2].map(|()| vec![0.0; self.size()]));
                 let schwarz = Schwarz { system: self, multigrid: self.preconditioner(), subdomain, work };
-                self.solve_system(&coupled, &schwarz, &floats, (rhs, x), limits, UnconvergedIterate::Discard)
+                let schwarz = RelatedSystem { preconditioner: &schwarz, operator: &coupled, floats: &floats };
+                self.solve_system(&schwarz, rhs, x, limits, UnconvergedIterate::Discard)
             }
-            None => {
-                let multigrid = self.preconditioner();
-                self.solve_system(&coupled, multigrid, &floats, (rhs, x), limits, UnconvergedIterate::Discard)
-            }
+            None => self.solve_system(&multigrid, rhs, x, limits, UnconvergedIterate::Discard),
         };
         report.map(|report| SolveReport { iterations: report.iterations + done, ..report })
     }

@@ -1,6 +1,6 @@
 use super::coupled::{CoupledBodies, SparseColumn};
 use super::solver::PressureSolver;
-use super::tests::{System, slab};
+use super::tests::{System, limits, slab};
 use nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;
 
@@ -26,7 +26,7 @@ fn rigid_solution_matches<const D: usize>(system: &System<D>, scale: f64) {
         mean_pressure_probes,
         subdomain_inverse: OnceLock::new(),
     };
-    let report = solver.solve_coupled(Some(&body), &rhs, &mut x, (1e-11, 400)).unwrap();
+    let report = solver.solve_coupled(Some(&body), &rhs, &mut x, limits(1e-11, 400)).unwrap();
     let mut dense = system.dense();
     let cells = system.cells();
     for column in &columns {
@@ -95,7 +95,7 @@ fn compliant_solution_matches<const D: usize>(mut system: System<D>, scale: f64)
         subdomain_inverse: OnceLock::new(),
     };
     let (rhs, mut x) = (system.random_field(5), system.random_field(6));
-    solver.solve_coupled(Some(&soft), &rhs, &mut x, (1e-11, 400)).unwrap();
+    solver.solve_coupled(Some(&soft), &rhs, &mut x, limits(1e-11, 400)).unwrap();
     let exact = dense.cholesky().expect("positive definite").solve(&system.values(&rhs));
     let error = (&exact - system.values(&x)).norm() / exact.norm();
     assert!(error < 1e-7, "{error}");

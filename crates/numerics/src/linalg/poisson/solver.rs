@@ -7,7 +7,7 @@ use super::multigrid::{Hierarchy, Level, coarsened};
 use super::sweep::{Operands, over_chunks_pair, sweep_span};
 use crate::grid::{CellField, Grid, Run, Runs};
 use crate::linalg::krylov::conjugate_gradient_with_workspace;
-use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
+use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
 use crate::linalg::poisson::PoissonInput;
 use crate::linalg::vectors;
 use rayon::prelude::*;
@@ -21,6 +21,16 @@ pub(super) enum UnconvergedIterate {
     Discard,
     /// The field gets the iterate, from which another solve continues.
     Keep,
+}
+
+/// A system on the vectors of a [`PressureSolver`], and how to solve it.
+pub(super) struct RelatedSystem<'a, A, M> {
+    /// The matrix.
+    pub operator: &'a A,
+    /// Its preconditioner.
+    pub preconditioner: &'a M,
+    /// Those floating components of the solver that float in this system too.
+    pub floats: &'a [usize],
 }
 
 /// A pressure system prepared for solving.
@@ -64,7 +74,7 @@ impl<const D: usize> PressureSolver<D> {
         solver
     }
 
-    /// Solves `A x = rhs` to `‖rhs − A x‖₂ ≤ tolerance ‖rhs‖₂` from the initial guess in `x`. Both are dense and
+    /// Solves `A x = rhs` to `‖rhs − A x‖₂ ≤ limits.tolerance ‖rhs‖₂` from the initial guess in `x`. Both are dense and
     /// cell-indexed; cells that are no unknowns are neither read nor written. Floating components and isolated cells: see
     /// [`PressureSolver`]; the norm is that of the right-hand side as corrected there.
     ///
@@ -74,10 +84,9 @@ impl<const D: usize> PressureSolver<D> {
         &self,
         rhs: &CellField<D>,
         x: &mut CellField<D>,
-        tolerance: f64,
-        max_iterations: usize,
+        limits: SolveLimits,
     ) -> Result<SolveReport, SolveError> {
-        self.solve_with(&self.hierarchy, rhs, x, tolerance, max_iterations)
+        self.solve_with(&self.hierarchy, rhs, x, limits)
     }
 
     /// The same with another preconditioner.
@@ -89,30 +98,23 @@ impl<const D: usize> PressureSolver<D> {
         preconditioner: &impl Preconditioner,
         rhs: &CellField<D>,
         x: &mut CellField<D>,
-        tolerance: f64,
-        max_iterations: usize,
+        limits: SolveLimits,
     ) -> Result<SolveReport, SolveError> {
         let floats: Vec<usize> = (0..self.floating.len()).collect();
-        self.solve_system(
-            self,
-            preconditioner,
-            &floats,
-            (rhs, x),
-            (tolerance, max_iterations),
-            UnconvergedIterate::Discard,
-        )
+        let system = RelatedSystem { operator: self, preconditioner, floats: &floats };
+        self.solve_system(&system, rhs, x, limits, UnconvergedIterate::Discard)
     }
 
-    /// The same for an operator built on this one; `floats` are the floating components that float in it too.
+    /// The same for an operator built on this one.
     pub(super) fn solve_system(
         &self,
-        operator: &impl LinearOperator,
-        preconditioner: &impl Preconditioner,
-        floats: &[usize],
-        (rhs, x): (&CellField<D>, &mut CellField<D>),
-        limits: (f64, usize),
+        system: &RelatedSystem<'_, impl LinearOperator, impl Preconditioner>,
+        rhs: &CellField<D>,
+        x: &mut CellField<D>,
+        limits: SolveLimits,
         unfinished: UnconvergedIterate,
     ) -> Result<SolveReport, SolveError> {
+        let RelatedSystem { operator, preconditioner, floats } = *system;
         let mut b = self.take();
         self.gather_into(&rhs.data, &mut b);
         self.project_on(floats, &mut b);
