@@ -7,7 +7,7 @@ mod poisson;
 mod vectors;
 
 pub use jacobi::Jacobi;
-pub use krylov::{conjugate_gradient, conjugate_gradient_with_workspace};
+pub use krylov::{conjugate_gradient, conjugate_gradient_with_workspace, minres, minres_with_workspace};
 pub use operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
 pub use poisson::{
     CoupledBodies, InPlaceSolve, PoissonInput, PressureSolver, SparseColumn, SubdomainInverse,

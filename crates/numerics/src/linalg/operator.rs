@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// A symmetric positive (semi-)definite operator on vectors of [`size`](Self::size) entries.
+/// A symmetric operator on vectors of [`size`](Self::size) entries; each solver says whether it has to be positive (semi-)definite.
 pub trait LinearOperator: Sync {
     /// Number of unknowns.
     fn size(&self) -> usize;
