@@ -7,7 +7,7 @@
 //!
 //! Limit: `A` may be singular if `b` is in its range, but not indefinite; for such systems see [`minres`](super::minres()).
 
-use super::{Start, with_restarts};
+use super::restart::{Start, with_restarts};
 use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
 use crate::linalg::vectors;
 

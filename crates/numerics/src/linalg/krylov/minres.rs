@@ -18,7 +18,7 @@
 //! Limit: `A` may be singular if `b` is in its range; the solution is then not the shortest one in general. Each iteration works on eight
 //! vectors; for definite systems conjugate gradients need three.
 
-use super::{Start, with_restarts};
+use super::restart::{Start, with_restarts};
 use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
 use crate::linalg::vectors;
 

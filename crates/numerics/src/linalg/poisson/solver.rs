@@ -1,14 +1,14 @@
 //! The pressure solver: conjugate gradients with multigrid on the matrix-free `2D + 1`-point system.
 
 use super::flux_components::flux_components;
-use super::layout::{BLOCK_CELLS, LANES, Layout};
-use super::level::{BlockCoefficients, BlockSite, Chunk, DIAGONAL, SpanCoefficients, build_chunks};
-use super::multigrid::{Hierarchy, Level, coarsened};
-use super::sweep::{Operands, over_chunks_pair, sweep_span};
+use super::multigrid::{
+    BLOCK_CELLS, BlockCoefficients, BlockSite, Chunk, DIAGONAL, Hierarchy, LANES, Layout, Level, Operands,
+    SpanCoefficients, build_chunks, coarsened, over_chunks_pair, sweep_span,
+};
+use super::system::{PoissonInput, SparseColumn};
 use crate::grid::{CellField, Grid, Run, Runs};
 use crate::linalg::krylov::conjugate_gradient_with_workspace;
 use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
-use crate::linalg::poisson::PoissonInput;
 use crate::linalg::vectors;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -162,6 +162,16 @@ impl<const D: usize> PressureSolver<D> {
         known.then(|| (i + Layout::<D>::parity(cell)) % 2 * layout.half_length + at as usize + i / 2)
     }
 
+    /// The same by the cell's index.
+    pub(super) fn entry_of(&self, cell: u32) -> Option<usize> {
+        self.entry(self.grid.lattice().coordinates(cell as usize))
+    }
+
+    /// The grid.
+    pub(super) fn grid(&self) -> &Grid<D> {
+        &self.grid
+    }
+
     /// The vector of the unknowns of a dense cell-indexed field.
     pub fn gather(&self, field: &[f64]) -> Vec<f64> {
         let mut vector = vec![0.0; self.size()];
@@ -272,8 +282,12 @@ impl<const D: usize> PressureSolver<D> {
         self.isolated.iter().for_each(|entry| vector[*entry] = 0.0);
     }
 
-    /// The floating components over which every column (entries and values) sums to zero.
-    pub(super) fn floating_with_columns(&self, columns: &[Vec<(usize, f64)>]) -> Vec<usize> {
+    /// The floating components over which every column sums to zero; its cells that are no unknowns are ignored.
+    pub(super) fn floating_with_columns(&self, columns: &[SparseColumn]) -> Vec<usize> {
+        let by_entry = |column: &SparseColumn| {
+            column.iter().filter_map(|&(cell, v)| self.entry_of(cell).map(|e| (e, v))).collect::<Vec<_>>()
+        };
+        let columns: Vec<_> = columns.iter().map(by_entry).collect();
         let blind = |floating: &&usize| {
             let runs = self.floating[**floating].0.iter();
             let mut ranges: Vec<_> =
