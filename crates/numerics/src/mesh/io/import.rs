@@ -134,7 +134,11 @@ pub enum ImportError {
 }
 
 /// Vertices and facets as in the file.
-type Raw = (Vec<[f64; 3]>, Vec<Vec<u32>>);
+#[derive(Default)]
+struct RawSurface {
+    points: Vec<[f64; 3]>,
+    facets: Vec<Vec<u32>>,
+}
 
 /// Reads and checks a closed surface and orients it outward; positions in m.
 pub fn load<const D: usize>(path: &Path) -> Result<SurfaceMesh<D>, ImportError> {
@@ -158,7 +162,7 @@ pub fn load<const D: usize>(path: &Path) -> Result<SurfaceMesh<D>, ImportError> 
 /// diagonal of the mesh.
 fn from_raw<const D: usize>(
     path: &Path,
-    (points, facets): Raw,
+    RawSurface { points, facets }: RawSurface,
     tolerance: f64,
 ) -> Result<SurfaceMesh<D>, ImportError> {
     if facets.is_empty() {
@@ -305,7 +309,7 @@ fn orient_loops<const D: usize>(mesh: &mut SurfaceMesh<D>) {
 }
 
 /// The faces (2D: edges) of a PLY file.
-fn from_ply<const D: usize>(path: &Path) -> Result<Raw, ImportError> {
+fn from_ply<const D: usize>(path: &Path) -> Result<RawSurface, ImportError> {
     let mesh = PlyMesh::load(path).map_err(|e| match e {
         PlyError::Io { path, source } => ImportError::Read { path, source },
         PlyError::Format { path, what } => ImportError::Content { path, what },
@@ -315,11 +319,11 @@ fn from_ply<const D: usize>(path: &Path) -> Result<Raw, ImportError> {
     } else {
         mesh.faces.iter().map(|f| f.to_vec()).collect()
     };
-    Ok((mesh.positions, facets))
+    Ok(RawSurface { points: mesh.positions, facets })
 }
 
 /// The triangles of all groups of an OBJ file; polygons are split into fans.
-fn obj_faces(bytes: &[u8]) -> Result<Raw, String> {
+fn obj_faces(bytes: &[u8]) -> Result<RawSurface, String> {
     let options = tobj::LoadOptions {
         triangulate: true,
         ignore_lines: true,
@@ -329,7 +333,7 @@ fn obj_faces(bytes: &[u8]) -> Result<Raw, String> {
     let no_materials = |_: &Path| Ok(Default::default());
     let (models, _) =
         tobj::load_obj_buf(&mut io::Cursor::new(bytes), &options, no_materials).map_err(|e| e.to_string())?;
-    let (mut points, mut facets): Raw = Default::default();
+    let RawSurface { mut points, mut facets } = RawSurface::default();
     for model in models {
         let base = points.len() as u32;
         points.extend(model.mesh.positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]].map(f64::from)));
@@ -337,12 +341,12 @@ fn obj_faces(bytes: &[u8]) -> Result<Raw, String> {
             model.mesh.indices.chunks_exact(3).map(|f| f.iter().map(|v| v + base).collect::<Vec<_>>()),
         );
     }
-    Ok((points, facets))
+    Ok(RawSurface { points, facets })
 }
 
 /// The polylines of an OBJ file as edges.
-fn obj_lines(text: &str) -> Result<Raw, String> {
-    let (mut points, mut edges): Raw = Default::default();
+fn obj_lines(text: &str) -> Result<RawSurface, String> {
+    let RawSurface { mut points, facets: mut edges } = RawSurface::default();
     for (number, line) in text.lines().enumerate() {
         let wrong = || format!("line {}: {line:?}", number + 1);
         let mut words = line.split_whitespace();
@@ -364,11 +368,11 @@ fn obj_lines(text: &str) -> Result<Raw, String> {
             _ => {}
         }
     }
-    Ok((points, edges))
+    Ok(RawSurface { points, facets: edges })
 }
 
 /// The triangles of an STL file, ASCII or binary. A binary file is recognised by its length, not by its title.
-fn stl_faces(bytes: &[u8]) -> Result<Raw, String> {
+fn stl_faces(bytes: &[u8]) -> Result<RawSurface, String> {
     let mut bytes = bytes.to_vec();
     let count = bytes.get(80..84).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
     let needed = count.map_or(84, |n| 84 + 50 * n);
@@ -379,7 +383,8 @@ fn stl_faces(bytes: &[u8]) -> Result<Raw, String> {
     }
     let mesh = stl_io::read_stl(&mut io::Cursor::new(bytes)).map_err(|e| e.to_string())?;
     let points = mesh.vertices.iter().map(|v| [v[0], v[1], v[2]].map(f64::from)).collect();
-    Ok((points, mesh.faces.iter().map(|f| f.vertices.iter().map(|v| *v as u32).collect()).collect()))
+    let facets = mesh.faces.iter().map(|f| f.vertices.iter().map(|v| *v as u32).collect()).collect();
+    Ok(RawSurface { points, facets })
 }
 
 #[cfg(test)]
