@@ -123,11 +123,9 @@ impl<const D: usize> PressureFields<D> {
         let start = change_without_pressure(model, p, response, &[], None);
         let Self { assembled, first_solution, backend } = self;
         assembled.assemble(model, p, &coupling, &start);
-        assembled.add_lumped_compliance(compliance.as_ref());
         let mut system = assembled.prepare(backend.as_mut(), model, p, compliance.as_ref())?;
         let limits = SolveLimits { tolerance, max_iterations: model.numerics.max_iterations };
-        let none = SolveReport { iterations: 0, residual: 0.0 };
-        let mut solves = [none; 2];
+        let mut solves = [SolveReport::default(); 2];
         if warm_start {
             std::mem::swap(p.pressure_impulse, first_solution);
         }
@@ -174,14 +172,18 @@ impl<const D: usize> PressureFields<D> {
 }
 
 impl<const D: usize> AssembledFields<D> {
-    /// Prepares the system; dragged faces have a smaller coefficient.
+    /// Prepares the system. Dragged faces have a smaller coefficient. The lumped compliance of the bodies is added to the Dirichlet
+    /// coefficients; the system subtracts it again.
     fn prepare<'a>(
-        &self,
+        &mut self,
         backend: &'a mut dyn PressureBackend<D>,
         model: &Model<D>,
         p: &mut Projection<'_, D>,
         bodies: Option<&'a CoupledBodies<'a>>,
     ) -> Result<Box<dyn PreparedPressureSystem<D> + 'a>, SolveError> {
+        for (flow, porous) in bodies.iter().flat_map(|body| zip(&body.flux_rows, &body.lumped_compliance)) {
+            self.dirichlet.data[flow.0 as usize] += porous;
+        }
         let open = &mut p.cut_cells.open_fraction.axes;
         let whole: Vec<f64> = p.dragged_faces.iter().map(|f| open[f.axis][f.face]).collect();
         p.dragged_faces.iter().for_each(|f| open[f.axis][f.face] *= f.mobility());
@@ -195,13 +197,6 @@ impl<const D: usize> AssembledFields<D> {
         let open = &mut p.cut_cells.open_fraction.axes;
         zip(p.dragged_faces.iter(), whole).for_each(|(f, whole)| open[f.axis][f.face] = whole);
         system
-    }
-
-    /// Adds what the system's operator subtracts again, so that the solver sees a wall as porous as its solid is loose.
-    fn add_lumped_compliance(&mut self, bodies: Option<&CoupledBodies<'_>>) {
-        for (flow, porous) in bodies.iter().flat_map(|body| zip(&body.flux_rows, &body.lumped_compliance)) {
-            self.dirichlet.data[flow.0 as usize] += porous;
-        }
     }
 
     /// Assembles the system for the velocities of the solids, with those of the nodes changed by `change`.
