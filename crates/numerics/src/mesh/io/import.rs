@@ -25,7 +25,7 @@ pub enum ImportError {
         source: io::Error,
     },
     /// The content does not match the file name extension.
-    #[error("{}: not a readable mesh: {what}; export it again as .obj, .stl or .ply", path.display())]
+    #[error("{}: the file is not a readable mesh: {what}; export it again as .obj, .stl or .ply", path.display())]
     Content {
         /// The file.
         path: PathBuf,
@@ -45,7 +45,7 @@ pub enum ImportError {
         accepted: &'static str,
     },
     /// The file has no facets.
-    #[error("{}: holds no {element}; a {dimension}D scene needs a closed surface of them", path.display())]
+    #[error("{}: the file holds no {element}; a {dimension}D scene needs a closed surface of them", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
@@ -55,7 +55,7 @@ pub enum ImportError {
         dimension: usize,
     },
     /// A coordinate is not a finite number or an index points past the vertices.
-    #[error("{}: {what} of facet {facet}; export the mesh again", path.display())]
+    #[error("{}: facet {facet} has {what}; export the mesh again", path.display())]
     Facet {
         /// The file.
         path: PathBuf,
@@ -66,7 +66,7 @@ pub enum ImportError {
     },
     /// The surface intersects itself.
     #[error(
-        "{}: the surface passes through itself, or lies on itself, near {at:?}; mend it (Blender: Boolean union, \
+        "{}: the surface passes through itself or touches itself near {at:?}; repair it (Blender: Boolean union, \
          or 3D-Print Toolbox, Make Manifold)", path.display()
     )]
     SelfIntersection {
@@ -88,7 +88,7 @@ pub enum ImportError {
     /// The surface has holes.
     #[error(
         "{}: the surface is not closed: {open} of its edges (2D: end points) bound an odd number of facets, \
-         the first near {near:?}; fill the holes, or remove facets that are too many (Blender finds them: Select > All by \
+         the first near {near:?}; fill the holes, or remove superfluous facets (Blender finds them: Select > All by \
          Trait > Non Manifold)", path.display()
     )]
     Open {
@@ -179,11 +179,11 @@ fn from_raw<const D: usize>(
     for (facet, f) in facets.iter().enumerate() {
         let fail = |what| Err(ImportError::Facet { path: path.into(), what, facet });
         if f.len() != D || f.iter().any(|v| *v as usize >= points.len()) {
-            return fail("a vertex that does not exist is a corner");
+            return fail("a vertex that does not exist");
         }
         let v: [u32; D] = std::array::from_fn(|k| f[k]);
         if v.iter().any(|v| !mesh.positions[*v as usize].iter().all(|x| x.is_finite())) {
-            return fail("a coordinate that is not a finite number belongs to a corner");
+            return fail("a coordinate that is not a finite number");
         }
         mesh.facets.push(v);
     }
