@@ -1,10 +1,9 @@
 //! Broad phase: overlapping pairs of axis-aligned boxes, found with a lattice of bins.
 
+pub use meniscus_numerics::Aabb;
+
 use meniscus_numerics::Vector;
 use rayon::prelude::*;
-
-/// Axis-aligned box: lower and upper corner, m.
-pub type Aabb<const D: usize> = [Vector<D>; 2];
 
 /// Width of the bins over the mean width of the boxes.
 const BIN_WIDTH_FACTOR: f64 = 2.0;

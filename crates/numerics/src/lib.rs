@@ -12,6 +12,8 @@ pub mod shape;
 
 /// A point or vector of `D` components.
 pub type Vector<const D: usize> = nalgebra::SVector<f64, D>;
+/// An axis-aligned box: its lower and upper corner, m.
+pub type Aabb<const D: usize> = [Vector<D>; 2];
 /// Coordinate planes of rotation: first axis, second axis, component of the moment vector (2D: the last one).
 pub fn rotation_planes<const D: usize>() -> &'static [(usize, usize, usize)] {
     const ROTATION_PLANES: [(usize, usize, usize); 3] = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];

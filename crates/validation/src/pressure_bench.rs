@@ -5,7 +5,7 @@
 //! noise hashed from the face, as in the drivers of other solvers.
 
 use meniscus_numerics::grid::{CellField, FaceField, Grid, Run, Runs};
-use meniscus_numerics::linalg::{Jacobi, PoissonInput, PressureSolver, SolveError};
+use meniscus_numerics::linalg::{Jacobi, PoissonInput, PressureSolver, SolveError, SolveLimits};
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -80,7 +80,7 @@ pub fn run(
     let setup_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let mut x = CellField::new(case.grid, 0.0);
-    let report = solver.solve(&case.rhs, &mut x, tolerance, 100)?;
+    let report = solver.solve(&case.rhs, &mut x, SolveLimits { tolerance, max_iterations: 100 })?;
     let solve_s = start.elapsed().as_secs_f64();
     let peak_memory_mb = peak_memory_mb();
     let (mut jacobi_s, mut jacobi_iterations) = (None, None);
@@ -88,7 +88,8 @@ pub fn run(
         let start = Instant::now();
         let mut x = CellField::new(case.grid, 0.0);
         let preconditioner = Jacobi::new(&solver.diagonal());
-        let report = solver.solve_with(&preconditioner, &case.rhs, &mut x, tolerance, 20 * n)?;
+        let limits = SolveLimits { tolerance, max_iterations: 20 * n };
+        let report = solver.solve_with(&preconditioner, &case.rhs, &mut x, limits)?;
         (jacobi_s, jacobi_iterations) = (Some(start.elapsed().as_secs_f64()), Some(report.iterations));
     }
     Ok(PressureBench {

@@ -108,8 +108,8 @@ impl Front<'_> {
         let own = self.pivot_columns.ncols();
         let (now, later) = to.split_at(to.partition_point(|i| *i < own));
         let (first, second) = update.split_at(now.len() * to.len());
-        let mut slab = || scatter_add(self.pivot_columns.rb_mut(), 0, (to, now), first);
-        let mut rest = || scatter_add(self.update_matrix.rb_mut(), own, (later, later), second);
+        let mut slab = || scatter_add(self.pivot_columns.rb_mut(), 0, to, now, first);
+        let mut rest = || scatter_add(self.update_matrix.rb_mut(), own, later, later, second);
         let (slab, rest) =
             if to.len() > MAX_SERIAL_SIZE { rayon::join(slab, rest) } else { (slab(), rest()) };
         slab.and(rest)
@@ -130,7 +130,8 @@ impl Front<'_> {
 fn scatter_add(
     mut a: MatMut<'_, f64>,
     shift: usize,
-    (rows, columns): (&[usize], &[usize]),
+    rows: &[usize],
+    columns: &[usize],
     update: &[f64],
 ) -> Option<()> {
     let height = update.len() / columns.len().max(1);

@@ -10,7 +10,7 @@
 //! With these integrals a constant pressure exerts no force and no torque on a body, to rounding, and no surface has to be built.
 
 use super::{FaceField, Grid, Lattice, Tiles};
-use crate::{Matrix, Vector, rotation_planes};
+use crate::{Aabb, Matrix, Vector, rotation_planes};
 use rayon::prelude::*;
 
 /// Open fractions closer than this to 0 or 1 are rounded to it: the flow through such a gap is not worth its stiffness.
@@ -31,8 +31,8 @@ const MAX_CLOSED_FACE_DEPTH_CELLS: f64 = 4.0;
 pub struct EmbeddedBoundary<'a, const D: usize> {
     /// Distance to its surface, m, negative inside.
     pub signed_distance: &'a (dyn Fn(&Vector<D>) -> f64 + Sync),
-    /// Lower and upper corner of a box that contains it, m; may reach beyond the grid.
-    pub bounds: [Vector<D>; 2],
+    /// A box that contains it, m; may reach beyond the grid.
+    pub bounds: Aabb<D>,
 }
 
 /// Wetted surface of a solid in a cell. Lengths are in cells; the normal `n` points into the solid.
@@ -48,6 +48,13 @@ pub struct CutCell<const D: usize> {
     pub moment: [f64; 3],
     /// `∫ n ⊗ r dS` with `r` from the cell's centre. Times a pressure gradient it is the force of that gradient.
     pub first_moment: Matrix<D>,
+}
+
+/// Integrals over the wetted surface in a cell, as in [`CutCell`].
+struct SurfaceIntegrals<const D: usize> {
+    area_vector: Vector<D>,
+    moment: [f64; 3],
+    first_moment: Matrix<D>,
 }
 
 /// The faces and cells that solids cut.
@@ -93,17 +100,14 @@ impl<const D: usize> CutCells<D> {
         }
         self.solid_boxes = solids.iter().map(|s| cells_around(&grid, s.bounds)).collect();
         for (solid, [low, high]) in solids.iter().zip(&self.solid_boxes) {
-            let corner = |at: [usize; D]| tiles.is_active_corner(at).then(|| grid.lower_corner(at));
-            let center = |at: [usize; D]| tiles.is_active(at).then(|| grid.center(at));
-            let (corners, cells) = ((grid.dx, corner_lattice(&grid)), (grid.dx, grid.lattice()));
-            take_min_distance(
-                solid,
-                corners,
-                [*low, high.map(|n| n + 1)],
-                corner,
-                &mut self.corner_distances_cells,
-            );
-            take_min_distance(solid, cells, [*low, *high], center, &mut self.center_distances_cells);
+            let (corners, cells) = (corner_lattice(&grid), grid.lattice());
+            let corner = |at: [usize; D]| {
+                tiles.is_active_corner(at).then(|| (corners.index(at), grid.lower_corner(at)))
+            };
+            let center = |at: [usize; D]| tiles.is_active(at).then(|| (cells.index(at), grid.center(at)));
+            let past = high.map(|n| n + 1);
+            take_min_distance(solid, grid.dx, [*low, past], corner, &mut self.corner_distances_cells);
+            take_min_distance(solid, grid.dx, [*low, *high], center, &mut self.center_distances_cells);
         }
         for cells in self.solid_boxes.clone() {
             self.update_open_fractions(cells, tiles);
@@ -214,66 +218,78 @@ impl<const D: usize> CutCells<D> {
         across.map(depth).fold(f64::INFINITY, f64::min)
     }
 
+    /// The cells of a box with a wetted surface.
     fn cut_cells_in(
         &self,
         cells: [[usize; D]; 2],
         solids: &[EmbeddedBoundary<'_, D>],
         tiles: &Tiles<D>,
     ) -> Vec<CutCell<D>> {
-        let grid = self.open_fraction.grid;
-        let lattice = grid.lattice();
+        let lattice = self.open_fraction.grid.lattice();
         let wet = |at: [usize; D]| {
             if self.has_open_fraction(at, 1.0) || self.is_closed(at) {
                 return None;
             }
-            let (mut area_vector, mut moment): (Vector<D>, [f64; 3]) = (Vector::zeros(), [0.0; 3]);
-            let (mut first_moment, center): (Matrix<D>, _) = (Matrix::zeros(), grid.center(at) / grid.dx);
-            for a in 0..D {
-                for side in 0..2 {
-                    let mut face = at;
-                    face[a] += side;
-                    let (share, r) = self.open_fraction_and_centroid(a, face);
-                    let outward = if side == 1 { share } else { -share };
-                    area_vector[a] -= outward;
-                    (0..D).for_each(|b| first_moment[(a, b)] -= outward * (r[b] - center[b]));
-                    for &(b, c, place) in rotation_planes::<D>() {
-                        // r × A, where only the component of A along `a` is not zero.
-                        let turn = if c == a {
-                            r[b]
-                        } else if b == a {
-                            -r[c]
-                        } else {
-                            0.0
-                        };
-                        moment[place] -= outward * turn;
-                    }
-                }
-            }
-            // Skip rounding errors. In 3D the areas of two surfaces in a cell may cancel although they exert a torque.
-            let turning = rotation_planes::<D>().iter().map(|&(b, c, place)| {
-                let [y, z] = [b, c].map(|a| grid.domain_coordinate_cells(a, at[a] as f64 + 0.5));
-                (moment[place] - (y * area_vector[c] - z * area_vector[b])).abs()
-            });
-            if turning.fold(area_vector.amax(), f64::max) < AREA_MOMENT_TOLERANCE {
-                return None;
-            }
-            // On the closed boundary of the open part, `∫ n ⊗ r dS` is its volume times the identity. The surface's
-            // contribution to `D` times the volume is its distance times its area.
-            let distance = self.mean_distance_cells(at) * area_vector.norm();
-            let volume = ((distance - first_moment.trace()) / D as f64).clamp(0.0, 1.0);
-            first_moment += Matrix::identity() * volume;
-            let x = grid.center(at);
-            let near = |i: &usize, j: &usize| {
-                (solids[*i].signed_distance)(&x).total_cmp(&(solids[*j].signed_distance)(&x))
-            };
-            let beside = |i: &usize| {
-                let [low, high] = self.solid_boxes[*i];
-                (0..D).all(|a| (low[a]..high[a]).contains(&at[a]))
-            };
-            let solid = (0..solids.len()).filter(beside).min_by(near)? as u32;
+            let SurfaceIntegrals { area_vector, moment, first_moment } = self.surface_integrals(at)?;
+            let solid = self.nearest_solid(at, solids)?;
             Some(CutCell { cell: lattice.index(at) as u32, solid, area_vector, moment, first_moment })
         };
         par_lattice_points(cells).filter(|at| tiles.is_active(*at)).filter_map(wet).collect()
+    }
+
+    /// Integrals over the wetted surface in a cell, from the open parts of its faces. `None` where they are rounding errors.
+    fn surface_integrals(&self, at: [usize; D]) -> Option<SurfaceIntegrals<D>> {
+        let grid = self.open_fraction.grid;
+        let (mut area_vector, mut moment): (Vector<D>, [f64; 3]) = (Vector::zeros(), [0.0; 3]);
+        let (mut first_moment, center): (Matrix<D>, _) = (Matrix::zeros(), grid.center(at) / grid.dx);
+        for a in 0..D {
+            for side in 0..2 {
+                let mut face = at;
+                face[a] += side;
+                let (share, r) = self.open_fraction_and_centroid(a, face);
+                let outward = if side == 1 { share } else { -share };
+                area_vector[a] -= outward;
+                (0..D).for_each(|b| first_moment[(a, b)] -= outward * (r[b] - center[b]));
+                for &(b, c, place) in rotation_planes::<D>() {
+                    // r × A, where only the component of A along `a` is not zero.
+                    let turn = if c == a {
+                        r[b]
+                    } else if b == a {
+                        -r[c]
+                    } else {
+                        0.0
+                    };
+                    moment[place] -= outward * turn;
+                }
+            }
+        }
+        // In 3D the areas of two surfaces in a cell may cancel although they exert a torque.
+        let turning = rotation_planes::<D>().iter().map(|&(b, c, place)| {
+            let [y, z] = [b, c].map(|a| grid.domain_coordinate_cells(a, at[a] as f64 + 0.5));
+            (moment[place] - (y * area_vector[c] - z * area_vector[b])).abs()
+        });
+        if turning.fold(area_vector.amax(), f64::max) < AREA_MOMENT_TOLERANCE {
+            return None;
+        }
+        // On the closed boundary of the open part, `∫ n ⊗ r dS` is its volume times the identity. The surface's
+        // contribution to `D` times the volume is its distance times its area.
+        let distance = self.mean_distance_cells(at) * area_vector.norm();
+        let volume = ((distance - first_moment.trace()) / D as f64).clamp(0.0, 1.0);
+        first_moment += Matrix::identity() * volume;
+        Some(SurfaceIntegrals { area_vector, moment, first_moment })
+    }
+
+    /// Index of the solid nearest to a cell's centre, of those whose distance is known there.
+    fn nearest_solid(&self, at: [usize; D], solids: &[EmbeddedBoundary<'_, D>]) -> Option<u32> {
+        let x = self.open_fraction.grid.center(at);
+        let near = |i: &usize, j: &usize| {
+            (solids[*i].signed_distance)(&x).total_cmp(&(solids[*j].signed_distance)(&x))
+        };
+        let beside = |i: &usize| {
+            let [low, high] = self.solid_boxes[*i];
+            (0..D).all(|a| (low[a]..high[a]).contains(&at[a]))
+        };
+        (0..solids.len()).filter(beside).min_by(near).map(|solid| solid as u32)
     }
 
     /// Mean signed distance over a cell, in cells.
@@ -321,24 +337,24 @@ fn corner_lattice<const D: usize>(grid: &Grid<D>) -> Lattice<D> {
     Lattice::new(grid.cells.map(|n| n + 1))
 }
 
-/// Takes the minimum of `values` and the distance to a solid, in cells, at the points of a box. `place` returns the
-/// position of a point, or `None` to skip it.
+/// Takes the minimum of `values` and the distance to a solid, in cells of `dx` (m), at the points of a box. `place` returns the
+/// index and the position of a point, or `None` to skip it.
 fn take_min_distance<const D: usize>(
     solid: &EmbeddedBoundary<'_, D>,
-    (dx, lattice): (f64, Lattice<D>),
-    cells: [[usize; D]; 2],
-    place: impl Fn([usize; D]) -> Option<Vector<D>> + Sync,
+    dx: f64,
+    points: [[usize; D]; 2],
+    place: impl Fn([usize; D]) -> Option<(usize, Vector<D>)> + Sync,
     values: &mut [f64],
 ) {
-    let found: Vec<(usize, f64)> = par_lattice_points(cells)
-        .filter_map(|at| place(at).map(|x| (lattice.index(at), (solid.signed_distance)(&x) / dx)))
+    let found: Vec<(usize, f64)> = par_lattice_points(points)
+        .filter_map(|at| place(at).map(|(i, x)| (i, (solid.signed_distance)(&x) / dx)))
         .map(|(i, v)| (i, if v.abs() < SURFACE_TOLERANCE_CELLS { -SURFACE_TOLERANCE_CELLS } else { v }))
         .collect();
     found.into_iter().for_each(|(i, v)| values[i] = values[i].min(v));
 }
 
 /// The cells that a box touches, and `DISTANCE_MARGIN_CELLS` more on every side.
-fn cells_around<const D: usize>(grid: &Grid<D>, bounds: [Vector<D>; 2]) -> [[usize; D]; 2] {
+fn cells_around<const D: usize>(grid: &Grid<D>, bounds: Aabb<D>) -> [[usize; D]; 2] {
     let clamp =
         |a: usize, x: f64| (x + grid.margin_cells[a][0] as f64).clamp(0.0, grid.cells[a] as f64) as usize;
     let low = std::array::from_fn(|a| clamp(a, (bounds[0][a] / grid.dx).floor() - DISTANCE_MARGIN_CELLS));

@@ -7,8 +7,9 @@ mod poisson;
 mod vectors;
 
 pub use jacobi::Jacobi;
-pub use krylov::{conjugate_gradient, conjugate_gradient_with_workspace};
-pub use operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
+pub use krylov::{conjugate_gradient, conjugate_gradient_with_workspace, minres, minres_with_workspace};
+pub use operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
 pub use poisson::{
-    CoupledBodies, InPlaceSolve, PoissonInput, PressureSolver, SparseColumn, SubdomainInverse,
+    CoupledBodies, InPlaceSolve, MultigridBackend, PoissonInput, PreparedPressureSystem, PressureBackend,
+    PressureSolver, PressureSystem, SparseColumn,
 };

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// A symmetric positive (semi-)definite operator on vectors of [`size`](Self::size) entries.
+/// A symmetric operator on vectors of [`size`](Self::size) entries; each solver says whether it has to be positive (semi-)definite.
 pub trait LinearOperator: Sync {
     /// Number of unknowns.
     fn size(&self) -> usize;
@@ -21,6 +21,15 @@ pub trait Preconditioner: Sync {
     fn apply(&self, r: &[f64], z: &mut [f64]) -> f64;
 }
 
+/// When an iterative solve ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolveLimits {
+    /// Largest norm of the residual at the end, relative to the right-hand side (dimensionless).
+    pub tolerance: f64,
+    /// Largest number of iterations.
+    pub max_iterations: usize,
+}
+
 /// Result of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolveReport {
@@ -35,7 +44,7 @@ pub struct SolveReport {
 pub enum SolveError {
     /// The tolerance was not reached.
     #[error(
-        "the linear solve stopped after {iterations} iterations at a relative residual of {residual:.2e}; {tolerance:.1e} was asked for"
+        "the linear solve stopped after {iterations} iterations at a relative residual of {residual:.2e}; the tolerance is {tolerance:.1e}"
     )]
     NotConverged {
         /// Iterations done.
@@ -47,9 +56,8 @@ pub enum SolveError {
     },
     /// Newton's method for solids and pressure did not converge.
     #[error(
-        "Newton's method for the solids' velocities stopped after {iterations} iterations; the next one would still move something by \
-         {off:.1e} times the tolerance (inf: the line search allowed no whole step); solids that leave each other no room have no \
-         solution"
+        "Newton's method for the velocities of the solids stopped after {iterations} iterations; the next iteration would still change a \
+         velocity by {off:.1e} times the tolerance (inf: the line search allowed no whole step); jammed solids have no solution"
     )]
     NewtonNotConverged {
         /// Iterations done.
@@ -65,11 +73,17 @@ pub enum SolveError {
     },
     /// The matrix of the solids is not positive definite.
     #[error(
-        "the matrix of the solids is not positive definite for a step of {step:.3e} s: a solid is too stiff for rounding, elements \
-         are crushed, or solids leave each other no room"
+        "the matrix of the solids is not positive definite for a time step of {step:.3e} s: a solid is too stiff for double precision, \
+         elements are crushed, or solids are jammed"
     )]
     NotPositiveDefinite {
         /// Length of the step, s.
         step: f64,
+    },
+    /// There is not enough memory for a matrix or its factors.
+    #[error("the memory does not suffice for the matrix of the solids, which has {unknowns} unknowns")]
+    OutOfMemory {
+        /// Number of unknowns.
+        unknowns: usize,
     },
 }

@@ -89,3 +89,50 @@ pub(super) fn axpy(alpha: f64, p: &[f64], x: &mut [f64]) {
         .zip(p.par_chunks(CHUNK))
         .for_each(|(x, p)| x.iter_mut().zip(p).for_each(|(x, p)| *x += alpha * p));
 }
+
+/// `p ← factor p`, and `v ← factor v`.
+pub(super) fn scale(factor: f64, p: &mut [f64], v: &mut [f64]) {
+    p.par_chunks_mut(CHUNK).zip(v.par_chunks_mut(CHUNK)).for_each(|(p, v)| {
+        p.iter_mut().chain(v).for_each(|value| *value *= factor);
+    });
+}
+
+/// `q −= α p + β p_last`.
+pub(super) fn orthogonalise(alpha: f64, p: &[f64], beta: f64, p_last: &[f64], q: &mut [f64]) {
+    let others = p.par_chunks(CHUNK).zip(p_last.par_chunks(CHUNK));
+    q.par_chunks_mut(CHUNK).zip(others).for_each(|(q, (p, last))| {
+        for ((q, p), last) in q.iter_mut().zip(p).zip(last) {
+            *q -= alpha * p + beta * last;
+        }
+    });
+}
+
+/// `w_last ← factor (v − δ w − ε w_last)`.
+pub(super) fn next_direction(
+    factor: f64,
+    v: &[f64],
+    delta: f64,
+    w: &[f64],
+    epsilon: f64,
+    w_last: &mut [f64],
+) {
+    let others = v.par_chunks(CHUNK).zip(w.par_chunks(CHUNK));
+    w_last.par_chunks_mut(CHUNK).zip(others).for_each(|(last, (v, w))| {
+        for ((last, v), w) in last.iter_mut().zip(v).zip(w) {
+            *last = factor * (v - delta * w - epsilon * *last);
+        }
+    });
+}
+
+/// `r ← a r + b q`; returns `r · r`.
+pub(super) fn combine(a: f64, b: f64, q: &[f64], r: &mut [f64]) -> f64 {
+    let parts: Vec<f64> = r
+        .par_chunks_mut(CHUNK)
+        .zip(q.par_chunks(CHUNK))
+        .map(|(r, q)| {
+            r.iter_mut().zip(q).for_each(|(r, q)| *r = a * *r + b * q);
+            dot_serial(r, r)
+        })
+        .collect();
+    parts.iter().sum()
+}

@@ -20,7 +20,7 @@ pub use smooth_union::SmoothUnion;
 pub use surface_samples::SurfaceSample;
 
 use crate::mesh::volume::Outline;
-use crate::{Matrix, Vector};
+use crate::{Aabb, Matrix, Vector};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -224,7 +224,7 @@ impl<const D: usize> Shape<D> {
                 Some(ball * power(*radius) * perturbed::relative_volume::<D>(*mode, *amplitude))
             }
             Self::Union(parts) => {
-                let boxes: Vec<_> = parts.iter().map(Self::bounds).collect();
+                let boxes: Vec<Aabb<D>> = parts.iter().map(|part| part.bounds().into()).collect();
                 let apart = (0..boxes.len()).all(|i| (0..i).all(|j| disjoint(&boxes[i], &boxes[j])));
                 if apart { parts.iter().map(Self::volume).sum() } else { None }
             }
@@ -233,7 +233,7 @@ impl<const D: usize> Shape<D> {
             }
             Self::Mesh(mesh) => Some(mesh.surface().volume()),
             Self::Difference { of, minus } => {
-                if disjoint(&of.bounds(), &minus.bounds()) {
+                if disjoint(&of.bounds().into(), &minus.bounds().into()) {
                     of.volume()
                 } else {
                     None
@@ -249,8 +249,8 @@ fn cross_section<const D: usize>(radius: f64) -> f64 {
 }
 
 /// Whether two boxes share no inner point.
-fn disjoint<const D: usize>(a: &(Vector<D>, Vector<D>), b: &(Vector<D>, Vector<D>)) -> bool {
-    (0..D).any(|k| a.1[k] <= b.0[k] || b.1[k] <= a.0[k])
+fn disjoint<const D: usize>(a: &Aabb<D>, b: &Aabb<D>) -> bool {
+    (0..D).any(|k| a[1][k] <= b[0][k] || b[1][k] <= a[0][k])
 }
 
 /// The unit vector along `v`; the last axis if `v` is zero.

@@ -12,6 +12,15 @@ const MAX_NEWTON_ITERATIONS: usize = 40;
 /// Maximum number of halvings of a Newton step: it is below rounding after so many.
 const MAX_STEP_HALVINGS: usize = 60;
 
+/// A point of the curve, near the point sought.
+#[derive(Clone, Copy)]
+struct Sample {
+    /// Its angle $\theta$.
+    angle: f64,
+    /// Half its squared distance $f(\theta)$, m².
+    value: f64,
+}
+
 /// The curve $r(\theta) = R (1 + \varepsilon\, m(\theta))$.
 pub(super) struct PolarCurve {
     radius: f64,
@@ -42,13 +51,13 @@ impl PolarCurve {
         let window = if gap < norm { (gap / norm).asin() } else { PI };
         let samples = (window * f64::from(8 * self.mode.max(2)) / PI).ceil().clamp(1.0, 4096.0);
         let h = window / samples;
-        let mut best = (0.5 * gap * gap, angle);
+        let mut best = Sample { angle, value: 0.5 * gap * gap };
         for k in 1..=samples as usize {
             for t in [angle - k as f64 * h, angle + k as f64 * h] {
                 let r = self.r(t);
                 let value = 0.5 * ((r * t.cos() - p[0]).powi(2) + (r * t.sin() - p[1]).powi(2));
-                if value < best.0 {
-                    best = (value, t);
+                if value < best.value {
+                    best = Sample { angle: t, value };
                 }
             }
         }
@@ -56,7 +65,8 @@ impl PolarCurve {
     }
 
     /// Minimum of `f` near a sample by Newton's iteration, with steps halved until `f` descends.
-    fn refine(&self, p: [f64; 2], (mut value, mut t): (f64, f64), h: f64) -> f64 {
+    fn refine(&self, p: [f64; 2], start: Sample, h: f64) -> f64 {
+        let Sample { angle: mut t, mut value } = start;
         for _ in 0..MAX_NEWTON_ITERATIONS {
             let [r, r1, r2] = self.derivatives(t);
             let (s, c) = t.sin_cos();

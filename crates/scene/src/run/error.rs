@@ -120,6 +120,9 @@ impl RunError {
                  material or material.rigid"
                     .into()
             }
+            Self::Step {
+                error: StepError::SolveFailed { source: SolveError::OutOfMemory { .. }, .. }, ..
+            } => "use a coarser mesh for the solids that deform, or a machine with more memory".into(),
             Self::Step { .. } | Self::NotFinite { .. } => {
                 "try a finer resolution or a smaller numerics.max_step; `meniscus check` shows how well the scene is resolved"
                     .into()
@@ -140,6 +143,9 @@ mod tests {
         assert!(error.to_string().ends_with("the narrowest gap"), "{error}");
         assert!(error.to_string().contains("the matrix of the solids is not positive definite"), "{error}");
         assert!(error.exit_status() == 5 && error.advice().contains("max_step"));
+        let source = SolveError::OutOfMemory { unknowns: 3000 };
+        let memory = RunError::of_step(StepError::SolveFailed { time: 0.5, dt: 0.002, source }, String::new);
+        assert!(memory.to_string().contains("3000 unknowns") && memory.advice().contains("coarser mesh"));
         let other = StepError::NotFinite { time: 0.0, what: "velocity" };
         assert!(matches!(RunError::of_step(other, String::new), RunError::Step { .. }));
     }

@@ -140,8 +140,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     /// `phi` is the signed distance to the interface in each cell (m), and `open` holds the open fractions of the faces.
     ///
     /// # Errors
-    /// [`SolveError::NotPositiveDefinite`], also where the memory for the matrix or its factor does not
-    /// suffice.
+    /// [`SolveError::NotPositiveDefinite`], and [`SolveError::OutOfMemory`] where the matrix cannot be assembled.
     pub fn linearise(
         &mut self,
         solids: &mut [SolidState<D>],
@@ -161,15 +160,20 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         }
         let (potential, candidates, elimination) = (&self.potential, &self.candidates, &mut self.elimination);
         let mut inverse = |positive| {
-            let matrix = potential.hessian(&self.velocities, candidates, &ties, elimination, positive)?;
-            let structure = elimination.structure.as_ref()?;
-            let solution = potential.points.assembly.as_ref()?.invert(&matrix, structure)?;
-            Some((matrix, solution))
+            let matrix = potential.hessian(&self.velocities, candidates, &ties, elimination, positive);
+            let found = (matrix, points.assembly.as_ref(), elimination.structure.as_ref());
+            let (Some(matrix), Some(assembly), Some(structure)) = found else {
+                return Err(SolveError::OutOfMemory { unknowns: D * self.velocities.len() });
+            };
+            Ok(assembly.invert(&matrix, structure).map(|solution| (matrix, solution)))
         };
         // The projected Hessian is a fallback: it is too stiff and converges slowly (Longva et al., "Pitfalls of projection", 2023).
-        let whole = inverse(false);
+        let whole = inverse(false)?;
         let indefinite = whole.is_none();
-        let (matrix, solution) = whole.or_else(|| inverse(true)).ok_or(failed)?;
+        let (matrix, solution) = match whole {
+            Some(whole) => whole,
+            None => inverse(true)?.ok_or(failed)?,
+        };
         self.indefinite_iterations += u64::from(indefinite);
         let prescribed_change = self.prescribed_change();
         if prescribed_change.iter().any(|t| t.norm_squared() > 0.0) {

@@ -23,7 +23,6 @@ use meniscus_numerics::grid::{CutCell, CutCells};
 use meniscus_numerics::linalg::{CoupledBodies, InPlaceSolve, SparseColumn};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
 
 /// The wetted surfaces of the solids, and their motion.
 pub struct PressureCoupling<'a, const D: usize> {
@@ -97,14 +96,12 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         let mean_pressure_probes =
             mean_pressure_probes(&flux_rows, &lumped_compliance, |k| response.is_rigid(k));
         let solve: Box<InPlaceSolve<'_>> = Box::new(move |x| response.solve_within(&reach, x));
-        let subdomain_inverse = OnceLock::new();
         Some(CoupledBodies {
             dof_count: response.dof_count(),
             flux_rows,
             lumped_compliance,
             solve,
             mean_pressure_probes,
-            subdomain_inverse,
         })
     }
 

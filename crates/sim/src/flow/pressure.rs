@@ -17,7 +17,10 @@ use crate::model::time_step::PhaseEnd;
 use crate::solid::SolidState;
 use crate::state::State;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Segment};
-use meniscus_numerics::linalg::{PoissonInput, PressureSolver, SolveError, SolveReport};
+use meniscus_numerics::linalg::{
+    CoupledBodies, MultigridBackend, PoissonInput, PreparedPressureSystem, PressureBackend, PressureSystem,
+    SolveError, SolveLimits, SolveReport,
+};
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -25,13 +28,20 @@ use std::iter::zip;
 
 /// Dense memory of the solve, kept from step to step.
 pub struct PressureFields<const D: usize> {
-    dirichlet: CellField<D>,
-    rhs: CellField<D>,
+    assembled: AssembledFields<D>,
     /// λ of the first solve of the last Newton iteration, from which that of the next one starts. During a
     /// projection with a warm start it holds the initial guess of the second solve until that begins.
     first_solution: CellField<D>,
-    /// The last solver, kept for its memory.
-    solver: Option<PressureSolver<D>>,
+    /// The solver, with its memory.
+    backend: Box<dyn PressureBackend<D>>,
+}
+
+/// What the projection assembles of a pressure system, by cell.
+struct AssembledFields<const D: usize> {
+    /// Sum of the coefficients toward known values.
+    dirichlet: CellField<D>,
+    /// Right-hand side, m²/s.
+    rhs: CellField<D>,
 }
 
 /// The fields of a state that a projection needs.
@@ -86,11 +96,11 @@ pub struct ProjectionResult<const D: usize> {
 }
 
 impl<const D: usize> PressureFields<D> {
-    /// Memory for a grid.
+    /// Memory for a grid. The solver is chosen here.
     pub fn new(model: &Model<D>) -> Self {
-        let grid = model.grid;
-        let zero = || CellField::new(grid, 0.0);
-        Self { dirichlet: zero(), rhs: zero(), first_solution: zero(), solver: None }
+        let zero = || CellField::new(model.grid, 0.0);
+        let assembled = AssembledFields { dirichlet: zero(), rhs: zero() };
+        Self { assembled, first_solution: zero(), backend: Box::new(MultigridBackend::default()) }
     }
 
     /// Makes the velocity divergence-free in the liquid, coupled to solids with a `response`. The gradient of the first solution gives
@@ -111,19 +121,15 @@ impl<const D: usize> PressureFields<D> {
         let coupling = PressureCoupling::new(model, p.wetted_surfaces, p.solids, response);
         let compliance = coupling.compliance();
         let start = change_without_pressure(model, p, response, &[], None);
-        self.assemble(model, p, &coupling, &start);
-        for (flow, porous) in compliance.iter().flat_map(|body| zip(&body.flux_rows, &body.lumped_compliance))
-        {
-            self.dirichlet.data[flow.0 as usize] += porous;
-        }
-        let solver = self.build_solver(model, p);
-        let limits = (tolerance, model.numerics.max_iterations);
-        let none = SolveReport { iterations: 0, residual: 0.0 };
-        let mut solves = [none; 2];
+        let Self { assembled, first_solution, backend } = self;
+        assembled.assemble(model, p, &coupling, &start);
+        let mut system = assembled.prepare(backend.as_mut(), model, p, compliance.as_ref())?;
+        let limits = SolveLimits { tolerance, max_iterations: model.numerics.max_iterations };
+        let mut solves = [SolveReport::default(); 2];
         if warm_start {
-            std::mem::swap(p.pressure_impulse, &mut self.first_solution);
+            std::mem::swap(p.pressure_impulse, first_solution);
         }
-        solves[0] = solver.solve_coupled(compliance.as_ref(), &self.rhs, p.pressure_impulse, limits)?;
+        solves[0] = system.solve(&assembled.rhs, p.pressure_impulse, limits)?;
         solves[1].residual = solves[0].residual;
         let corrections = second_order_corrections(model, p);
         let off_center_impulses =
@@ -138,18 +144,17 @@ impl<const D: usize> PressureFields<D> {
         if viscous || !off_center_impulses.is_empty() || corrections.iter().any(|b| *b != 0.0) {
             node_velocity_change =
                 change_without_pressure(model, p, response, &corrections, Some(&off_center_impulses));
-            self.assemble(model, p, &coupling, &node_velocity_change);
+            assembled.assemble(model, p, &coupling, &node_velocity_change);
             zip(p.interface_faces, &corrections).for_each(|(face, bend)| {
-                self.rhs.data[face.cell] += face.open_fraction * face.mobility * bend
+                assembled.rhs.data[face.cell] += face.open_fraction * face.mobility * bend
             });
             match (warm_start, response) {
-                (true, _) => std::mem::swap(p.pressure_impulse, &mut self.first_solution),
-                (false, Some(_)) => self.first_solution.data.clone_from(&p.pressure_impulse.data),
+                (true, _) => std::mem::swap(p.pressure_impulse, first_solution),
+                (false, Some(_)) => first_solution.data.clone_from(&p.pressure_impulse.data),
                 (false, None) => {}
             }
-            solves[1] = solver.solve_coupled(compliance.as_ref(), &self.rhs, p.pressure_impulse, limits)?;
+            solves[1] = system.solve(&assembled.rhs, p.pressure_impulse, limits)?;
         }
-        self.solver = Some(solver);
         let mut pressure_impulses = coupling.impulses(&p.pressure_impulse.data, p.label);
         pressure_impulses.extend(&off_center_impulses);
         apply_pressure_gradient(model, p, &corrections, 1.0);
@@ -164,22 +169,34 @@ impl<const D: usize> PressureFields<D> {
         }
         Ok(ProjectionResult { solves, pressure_impulses, node_velocity_change })
     }
+}
 
-    /// Builds the solver; dragged faces have a smaller coefficient.
-    fn build_solver(&mut self, model: &Model<D>, p: &mut Projection<'_, D>) -> PressureSolver<D> {
+impl<const D: usize> AssembledFields<D> {
+    /// Prepares the system. Dragged faces have a smaller coefficient. The lumped compliance of the bodies is added to the Dirichlet
+    /// coefficients; the system subtracts it again.
+    fn prepare<'a>(
+        &mut self,
+        backend: &'a mut dyn PressureBackend<D>,
+        model: &Model<D>,
+        p: &mut Projection<'_, D>,
+        bodies: Option<&'a CoupledBodies<'a>>,
+    ) -> Result<Box<dyn PreparedPressureSystem<D> + 'a>, SolveError> {
+        for (flow, porous) in bodies.iter().flat_map(|body| zip(&body.flux_rows, &body.lumped_compliance)) {
+            self.dirichlet.data[flow.0 as usize] += porous;
+        }
         let open = &mut p.cut_cells.open_fraction.axes;
         let whole: Vec<f64> = p.dragged_faces.iter().map(|f| open[f.axis][f.face]).collect();
         p.dragged_faces.iter().for_each(|f| open[f.axis][f.face] *= f.mobility());
-        let input = PoissonInput {
+        let matrix = PoissonInput {
             grid: model.grid,
             unknowns: p.liquid,
             coefficients: &p.cut_cells.open_fraction,
             dirichlet: &self.dirichlet,
         };
-        let solver = PressureSolver::reusing_memory(self.solver.take(), &input);
+        let system = backend.prepare(&PressureSystem { matrix, bodies });
         let open = &mut p.cut_cells.open_fraction.axes;
         zip(p.dragged_faces.iter(), whole).for_each(|(f, whole)| open[f.axis][f.face] = whole);
-        solver
+        system
     }
 
     /// Assembles the system for the velocities of the solids, with those of the nodes changed by `change`.

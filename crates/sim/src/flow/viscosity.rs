@@ -17,7 +17,9 @@
 
 use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Lattice, Runs, Sampler, Segment};
-use meniscus_numerics::linalg::{Jacobi, LinearOperator, SolveError, SolveReport, conjugate_gradient};
+use meniscus_numerics::linalg::{
+    Jacobi, LinearOperator, SolveError, SolveLimits, SolveReport, conjugate_gradient,
+};
 use meniscus_numerics::shape::plane_box_fraction;
 use meniscus_numerics::{par, rotation_planes};
 use rayon::prelude::*;
@@ -72,7 +74,8 @@ impl<const D: usize> Diffusion<'_, D> {
         let cells = b.par_chunks_mut(D).zip(&operator.cells).with_min_len(CELLS_PER_TASK);
         cells.for_each(|(b, cell)| (0..D).for_each(|a| b[a] *= cell.face_mass[a]));
         let jacobi = Jacobi::new(&operator.diagonal());
-        let report = conjugate_gradient(&operator, &jacobi, &b, &mut x, tolerance, MAX_ITERATIONS)?;
+        let limits = SolveLimits { tolerance, max_iterations: MAX_ITERATIONS };
+        let report = conjugate_gradient(&operator, &jacobi, &b, &mut x, limits)?;
         for a in 0..D {
             let lattice = model.grid.face_lattice(a);
             let row = lattice.extent[0];

@@ -1,56 +1,36 @@
-//! A pressure system coupled with bodies that move under the pressure.
-//!
-//! The bodies add `F B⁻¹ Fᵀ` to the system. `F` holds the flow into the cells per degree of freedom of the bodies, and
-//! `B` is the bodies' own matrix, known by its solve only. The system stays symmetric positive definite for any `F`. A
-//! rigid body separates as many eigenvalues as it has degrees of freedom, and costs about as many iterations (D.
-//! Aanjaneya, "An efficient solver for two-way coupling rigid bodies with incompressible flow", CGF 2018). For a
-//! deformable body the multigrid uses the compliance of each cell by itself, as if the wall were porous: the caller adds
-//! this lumped compliance to the Dirichlet coefficients, and it is subtracted here.
+//! The operator of a pressure system with bodies ([`super::PressureSystem`]), and its exact inverse on the bodies' cells.
 
-use super::schwarz::{Schwarz, SubdomainInverse};
-use super::solver::{PressureSolver, UnconvergedIterate};
-use crate::grid::{CellField, Lattice};
-use crate::linalg::operator::{LinearOperator, SolveError, SolveReport};
+use super::schwarz::SubdomainInverse;
+use super::solver::PressureSolver;
+use super::system::CoupledBodies;
+use crate::linalg::operator::LinearOperator;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
-use std::sync::{Mutex, OnceLock};
-
-/// Entries of a column: the index of the cell, and the value.
-pub type SparseColumn = Vec<(u32, f64)>;
-
-/// A linear solve that overwrites the right-hand side with the solution.
-pub type InPlaceSolve<'a> = dyn Fn(&mut [f64]) + Sync + 'a;
-
-/// Bodies that move under the pressure.
-pub struct CoupledBodies<'a> {
-    /// Number of their degrees of freedom.
-    pub dof_count: usize,
-    /// `F`: for each cell at the bodies' surfaces, the degrees of freedom that flow into it, with coefficients.
-    pub flux_rows: Vec<(u32, Vec<(u32, f64)>)>,
-    /// For each of these cells, the part of `F B⁻¹ Fᵀ` that the system's Dirichlet coefficient already contains.
-    pub lumped_compliance: Vec<f64>,
-    /// `x → B⁻¹ x` for the degrees of freedom in `flux_rows`; `x` is 0 at all others. It takes one vector, or several one after another.
-    pub solve: Box<InPlaceSolve<'a>>,
-    /// Columns that tell whether the bodies determine the mean pressure of a component of the liquid: they do not where
-    /// each column sums to zero over it.
-    pub mean_pressure_probes: Vec<SparseColumn>,
-    /// The exact inverse on these cells, built once a solve without it was too slow; contains `None` where it does not exist.
-    pub subdomain_inverse: OnceLock<Option<SubdomainInverse>>,
-}
 
 /// Number of body solves per batch when the exact inverse is assembled.
 const SOLVES_PER_BATCH: usize = 16;
-/// Number of batched body solves that take as long as a single one: an estimate for supernodal factors, which affects the cost only.
-const BATCH_SPEEDUP: usize = 4;
-
 /// Number of body degrees of freedom from which the bodies are solved for on another thread: waking it takes some 10 µs.
 const MIN_PARALLEL_DOFS: usize = 1 << 14;
 
-struct CoupledOperator<'a, const D: usize> {
+/// `A + F B⁻¹ Fᵀ − diag(lumped_compliance)` on the vectors of a solver of `A`.
+pub struct CoupledOperator<'a, const D: usize> {
     system: &'a PressureSolver<D>,
     body: &'a CoupledBodies<'a>,
     /// For each of the bodies' cells the entry of the solver's vectors.
     entries: Vec<Option<usize>>,
+}
+
+impl<'a, const D: usize> CoupledOperator<'a, D> {
+    /// The operator of these bodies.
+    pub fn new(system: &'a PressureSolver<D>, body: &'a CoupledBodies<'a>) -> Self {
+        let entries = body.flux_rows.iter().map(|(cell, _)| system.entry_of(*cell)).collect();
+        Self { system, body, entries }
+    }
+
+    /// Number of cells into which bodies flow, each counted once per surface in it.
+    pub fn cell_count(&self) -> usize {
+        self.entries.len()
+    }
 }
 
 impl<const D: usize> LinearOperator for CoupledOperator<'_, D> {
@@ -88,67 +68,11 @@ impl<const D: usize> LinearOperator for CoupledOperator<'_, D> {
     }
 }
 
-impl<const D: usize> PressureSolver<D> {
-    /// Solves `(A + F B⁻¹ Fᵀ − diag(lumped_compliance)) x = rhs` as [`solve`](Self::solve) does without bodies. Entries
-    /// of bodies at cells that are no unknowns are ignored. A component without Dirichlet values floats only if a
-    /// constant pressure on it acts on no body.
-    ///
-    /// # Errors
-    /// As [`solve`](Self::solve), except that `x` may then hold an iterate.
-    pub fn solve_coupled(
-        &self,
-        bodies: Option<&CoupledBodies<'_>>,
-        rhs: &CellField<D>,
-        x: &mut CellField<D>,
-        limits: (f64, usize),
-    ) -> Result<SolveReport, SolveError> {
-        let Some(body) = bodies else { return self.solve(rhs, x, limits.0, limits.1) };
-        let lattice = rhs.grid.lattice();
-        let entry = |cell: u32| self.entry(lattice.coordinates(cell as usize));
-        let translate = |column: &SparseColumn| {
-            column.iter().filter_map(|&(cell, v)| entry(cell).map(|e| (e, v))).collect::<Vec<_>>()
-        };
-        let feelers: Vec<_> = body.mean_pressure_probes.iter().map(translate).collect();
-        let floats = self.floating_with_columns(&feelers);
-        let entries = body.flux_rows.iter().map(|(cell, _)| entry(*cell)).collect();
-        let coupled = CoupledOperator { system: self, body, entries };
-        // Multigrid alone may take as long as building the exact inverse on the bodies' cells would: the total is at most
-        // twice the time of the faster of both (ski rental).
-        let (tolerance, most) = limits;
-        let mut done = 0;
-        if body.subdomain_inverse.get().is_none() {
-            let first = most.min(body.flux_rows.len().div_ceil(BATCH_SPEEDUP));
-            let system = (rhs, &mut *x);
-            let (limits, multigrid) = ((tolerance, first), self.preconditioner());
-            let report =
-                self.solve_system(&coupled, multigrid, &floats, system, limits, UnconvergedIterate::Keep);
-            let slow =
-                matches!(report, Err(SolveError::NotConverged { iterations, .. }) if iterations == first);
-            if !slow || first == most {
-                return report;
-            }
-            done = first;
-        }
-        let subdomain = body.subdomain_inverse.get_or_init(|| coupled.assemble_subdomain_inverse(lattice));
-        let limits = (tolerance, most - done);
-        let report = match subdomain {
-            Some(subdomain) => {
-                let work = Mutex::new([(); 2].map(|()| vec![0.0; self.size()]));
-                let schwarz = Schwarz { system: self, multigrid: self.preconditioner(), subdomain, work };
-                self.solve_system(&coupled, &schwarz, &floats, (rhs, x), limits, UnconvergedIterate::Discard)
-            }
-            None => {
-                let multigrid = self.preconditioner();
-                self.solve_system(&coupled, multigrid, &floats, (rhs, x), limits, UnconvergedIterate::Discard)
-            }
-        };
-        report.map(|report| SolveReport { iterations: report.iterations + done, ..report })
-    }
-}
-
 impl<const D: usize> CoupledOperator<'_, D> {
     /// The exact inverse on the bodies' cells.
-    fn assemble_subdomain_inverse(&self, lattice: Lattice<D>) -> Option<SubdomainInverse> {
+    /// `None` where it does not exist.
+    pub fn subdomain_inverse(&self) -> Option<SubdomainInverse> {
+        let lattice = self.system.grid().lattice();
         let mut cells: BTreeMap<usize, [usize; D]> = BTreeMap::new();
         for (entry, (cell, _)) in self.entries.iter().zip(&self.body.flux_rows) {
             if let Some(entry) = entry {

@@ -1,6 +1,6 @@
 //! Connected components of the pressure system, where faces without flux may cut the liquid apart.
 
-use super::PoissonInput;
+use super::system::PoissonInput;
 use crate::grid::{Run, Runs};
 
 /// The unknowns, labelled with components connected by positive coefficients; runs are split at faces without flux.

@@ -1,14 +1,14 @@
 //! The pressure solver: conjugate gradients with multigrid on the matrix-free `2D + 1`-point system.
 
 use super::flux_components::flux_components;
-use super::layout::{BLOCK_CELLS, LANES, Layout};
-use super::level::{BlockCoefficients, BlockSite, Chunk, DIAGONAL, SpanCoefficients, build_chunks};
-use super::multigrid::{Hierarchy, Level, coarsened};
-use super::sweep::{Operands, over_chunks_pair, sweep_span};
+use super::multigrid::{
+    BLOCK_CELLS, BlockCoefficients, BlockSite, Chunk, DIAGONAL, Hierarchy, LANES, Layout, Level, Operands,
+    SpanCoefficients, build_chunks, coarsened, over_chunks_pair, sweep_span,
+};
+use super::system::{PoissonInput, SparseColumn};
 use crate::grid::{CellField, Grid, Run, Runs};
 use crate::linalg::krylov::conjugate_gradient_with_workspace;
-use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveReport};
-use crate::linalg::poisson::PoissonInput;
+use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
 use crate::linalg::vectors;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,6 +21,16 @@ pub(super) enum UnconvergedIterate {
     Discard,
     /// The field gets the iterate, from which another solve continues.
     Keep,
+}
+
+/// A system on the vectors of a [`PressureSolver`], and how to solve it.
+pub(super) struct RelatedSystem<'a, A, M> {
+    /// The matrix.
+    pub operator: &'a A,
+    /// Its preconditioner.
+    pub preconditioner: &'a M,
+    /// Those floating components of the solver that float in this system too.
+    pub floats: &'a [usize],
 }
 
 /// A pressure system prepared for solving.
@@ -64,7 +74,7 @@ impl<const D: usize> PressureSolver<D> {
         solver
     }
 
-    /// Solves `A x = rhs` to `‖rhs − A x‖₂ ≤ tolerance ‖rhs‖₂` from the initial guess in `x`. Both are dense and
+    /// Solves `A x = rhs` to `‖rhs − A x‖₂ ≤ limits.tolerance ‖rhs‖₂` from the initial guess in `x`. Both are dense and
     /// cell-indexed; cells that are no unknowns are neither read nor written. Floating components and isolated cells: see
     /// [`PressureSolver`]; the norm is that of the right-hand side as corrected there.
     ///
@@ -74,10 +84,9 @@ impl<const D: usize> PressureSolver<D> {
         &self,
         rhs: &CellField<D>,
         x: &mut CellField<D>,
-        tolerance: f64,
-        max_iterations: usize,
+        limits: SolveLimits,
     ) -> Result<SolveReport, SolveError> {
-        self.solve_with(&self.hierarchy, rhs, x, tolerance, max_iterations)
+        self.solve_with(&self.hierarchy, rhs, x, limits)
     }
 
     /// The same with another preconditioner.
@@ -89,30 +98,23 @@ impl<const D: usize> PressureSolver<D> {
         preconditioner: &impl Preconditioner,
         rhs: &CellField<D>,
         x: &mut CellField<D>,
-        tolerance: f64,
-        max_iterations: usize,
+        limits: SolveLimits,
     ) -> Result<SolveReport, SolveError> {
         let floats: Vec<usize> = (0..self.floating.len()).collect();
-        self.solve_system(
-            self,
-            preconditioner,
-            &floats,
-            (rhs, x),
-            (tolerance, max_iterations),
-            UnconvergedIterate::Discard,
-        )
+        let system = RelatedSystem { operator: self, preconditioner, floats: &floats };
+        self.solve_system(&system, rhs, x, limits, UnconvergedIterate::Discard)
     }
 
-    /// The same for an operator built on this one; `floats` are the floating components that float in it too.
+    /// The same for an operator built on this one.
     pub(super) fn solve_system(
         &self,
-        operator: &impl LinearOperator,
-        preconditioner: &impl Preconditioner,
-        floats: &[usize],
-        (rhs, x): (&CellField<D>, &mut CellField<D>),
-        limits: (f64, usize),
+        system: &RelatedSystem<'_, impl LinearOperator, impl Preconditioner>,
+        rhs: &CellField<D>,
+        x: &mut CellField<D>,
+        limits: SolveLimits,
         unfinished: UnconvergedIterate,
     ) -> Result<SolveReport, SolveError> {
+        let RelatedSystem { operator, preconditioner, floats } = *system;
         let mut b = self.take();
         self.gather_into(&rhs.data, &mut b);
         self.project_on(floats, &mut b);
@@ -158,6 +160,16 @@ impl<const D: usize> PressureSolver<D> {
         let i = cell[0] % BLOCK_CELLS;
         let known = layout.masks[number] >> i & 1 == 1;
         known.then(|| (i + Layout::<D>::parity(cell)) % 2 * layout.half_length + at as usize + i / 2)
+    }
+
+    /// The same by the cell's index.
+    pub(super) fn entry_of(&self, cell: u32) -> Option<usize> {
+        self.entry(self.grid.lattice().coordinates(cell as usize))
+    }
+
+    /// The grid.
+    pub(super) fn grid(&self) -> &Grid<D> {
+        &self.grid
     }
 
     /// The vector of the unknowns of a dense cell-indexed field.
@@ -270,8 +282,12 @@ impl<const D: usize> PressureSolver<D> {
         self.isolated.iter().for_each(|entry| vector[*entry] = 0.0);
     }
 
-    /// The floating components over which every column (entries and values) sums to zero.
-    pub(super) fn floating_with_columns(&self, columns: &[Vec<(usize, f64)>]) -> Vec<usize> {
+    /// The floating components over which every column sums to zero; its cells that are no unknowns are ignored.
+    pub(super) fn floating_with_columns(&self, columns: &[SparseColumn]) -> Vec<usize> {
+        let by_entry = |column: &SparseColumn| {
+            column.iter().filter_map(|&(cell, v)| self.entry_of(cell).map(|e| (e, v))).collect::<Vec<_>>()
+        };
+        let columns: Vec<_> = columns.iter().map(by_entry).collect();
         let blind = |floating: &&usize| {
             let runs = self.floating[**floating].0.iter();
             let mut ranges: Vec<_> =

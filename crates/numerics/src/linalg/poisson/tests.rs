@@ -1,6 +1,8 @@
 use super::PoissonInput;
 use crate::grid::{CellField, FaceField, Grid, Run, Runs};
-use crate::linalg::{Jacobi, LinearOperator, Preconditioner, PressureSolver, SolveError, conjugate_gradient};
+use crate::linalg::{
+    Jacobi, LinearOperator, Preconditioner, PressureSolver, SolveError, SolveLimits, conjugate_gradient,
+};
 use nalgebra::{DMatrix, DVector};
 
 /// A pressure system and the fields of its input.
@@ -9,6 +11,11 @@ pub struct System<const D: usize> {
     pub unknowns: Runs,
     pub coefficients: FaceField<D>,
     pub dirichlet: CellField<D>,
+}
+
+/// Limits of a solve.
+pub fn limits(tolerance: f64, max_iterations: usize) -> SolveLimits {
+    SolveLimits { tolerance, max_iterations }
 }
 
 /// A reproducible sequence of numbers in [0, 1).
@@ -208,7 +215,7 @@ fn solution_matches<const D: usize>(system: &System<D>) {
     let solver = PressureSolver::new(&system.input());
     let rhs = consistent(system, &system.random_field(3));
     let mut x = system.random_field(4);
-    let report = solver.solve(&rhs, &mut x, 1e-12, 400).unwrap();
+    let report = solver.solve(&rhs, &mut x, limits(1e-12, 400)).unwrap();
     let dense = system.dense();
     let residual = &dense * system.values(&x) - system.values(&rhs);
     assert!(residual.norm() <= 2e-12 * system.values(&rhs).norm());
@@ -266,7 +273,7 @@ fn floating_component_beside_a_held_one_and_lone_cells() {
     solution_matches(&system);
     let solver = PressureSolver::new(&system.input());
     let mut x = CellField::new(system.grid, 7.0);
-    solver.solve(&system.random_field(1), &mut x, 1e-10, 100).unwrap();
+    solver.solve(&system.random_field(1), &mut x, limits(1e-10, 100)).unwrap();
     let upper = |c: usize| {
         let at = system.grid.lattice().coordinates(c);
         at[2] > 4 && at[0] < 18
@@ -343,7 +350,7 @@ fn iterations<const D: usize>(n: usize) -> usize {
     let system = drop::<D>(n);
     let mut x = CellField::new(system.grid, 0.0);
     let solver = PressureSolver::new(&system.input());
-    solver.solve(&system.random_field(1), &mut x, 1e-8, 100).unwrap().iterations
+    solver.solve(&system.random_field(1), &mut x, limits(1e-8, 100)).unwrap().iterations
 }
 
 #[test]
@@ -362,7 +369,7 @@ fn result_does_not_depend_on_the_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut x = CellField::new(system.grid, 0.0);
-            PressureSolver::new(&system.input()).solve(&rhs, &mut x, 1e-9, 50).unwrap();
+            PressureSolver::new(&system.input()).solve(&rhs, &mut x, limits(1e-9, 50)).unwrap();
             x.data
         })
     };
@@ -377,11 +384,11 @@ fn used_memory_leaves_no_trace() {
         let rhs = consistent(second, &second.random_field(1));
         let solve = |solver: &PressureSolver<3>| {
             let mut x = CellField::new(second.grid, 0.0);
-            solver.solve(&rhs, &mut x, 1e-8, 400).map(|_| x.data)
+            solver.solve(&rhs, &mut x, limits(1e-8, 400)).map(|_| x.data)
         };
         let used = PressureSolver::new(&first.input());
         let mut x = CellField::new(first.grid, 0.0);
-        used.solve(&first.random_field(2), &mut x, 1e-3, 50).ok();
+        used.solve(&first.random_field(2), &mut x, limits(1e-3, 50)).ok();
         let fresh = solve(&PressureSolver::new(&second.input()));
         assert!(fresh.is_ok());
         assert_eq!(fresh, solve(&PressureSolver::reusing_memory(Some(used), &second.input())));
@@ -394,12 +401,12 @@ fn failures_are_errors_and_leave_the_field_alone() {
     let solver = PressureSolver::new(&system.input());
     let mut rhs = system.random_field(1);
     let mut x = CellField::new(system.grid, 0.25);
-    let failure = solver.solve(&rhs, &mut x, 1e-10, 2).unwrap_err();
+    let failure = solver.solve(&rhs, &mut x, limits(1e-10, 2)).unwrap_err();
     assert!(matches!(failure, SolveError::NotConverged { iterations: 2, .. }));
     let cell = system.cells()[40];
     for bad in [f64::NAN, f64::INFINITY] {
         rhs.data[cell] = bad;
-        let failure = solver.solve(&rhs, &mut x, 1e-10, 50).unwrap_err();
+        let failure = solver.solve(&rhs, &mut x, limits(1e-10, 50)).unwrap_err();
         assert!(matches!(failure, SolveError::NotFinite { .. }));
     }
     assert!(x.data.iter().all(|v| *v == 0.25));
@@ -410,12 +417,12 @@ fn zero_right_hand_side_and_no_unknowns() {
     let system = drop::<2>(24);
     let solver = PressureSolver::new(&system.input());
     let mut x = CellField::new(system.grid, 1.0);
-    let report = solver.solve(&CellField::new(system.grid, 0.0), &mut x, 1e-10, 50).unwrap();
+    let report = solver.solve(&CellField::new(system.grid, 0.0), &mut x, limits(1e-10, 50)).unwrap();
     assert_eq!((report.iterations, x.data[system.cells()[0]]), (0, 0.0));
     let empty = System::<2>::new([12, 12], |_| false, || 1.0, |_| 0.0);
     let mut x = CellField::new(empty.grid, 1.0);
     let report =
-        PressureSolver::new(&empty.input()).solve(&CellField::new(empty.grid, 1.0), &mut x, 1e-10, 5);
+        PressureSolver::new(&empty.input()).solve(&CellField::new(empty.grid, 1.0), &mut x, limits(1e-10, 5));
     assert_eq!(report.unwrap().iterations, 0);
 }
 
@@ -426,8 +433,8 @@ fn jacobi_and_multigrid_agree() {
     let b = solver.gather(&system.random_field(1).data);
     let (mut x, mut y) = (vec![0.0; b.len()], vec![0.0; b.len()]);
     let jacobi = Jacobi::new(&solver.diagonal());
-    conjugate_gradient(&solver, &jacobi, &b, &mut x, 1e-12, 1000).unwrap();
-    conjugate_gradient(&solver, solver.preconditioner(), &b, &mut y, 1e-12, 100).unwrap();
+    conjugate_gradient(&solver, &jacobi, &b, &mut x, limits(1e-12, 1000)).unwrap();
+    conjugate_gradient(&solver, solver.preconditioner(), &b, &mut y, limits(1e-12, 100)).unwrap();
     let largest = x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() < 1e-9 * largest));
 }

@@ -25,7 +25,7 @@ pub enum ImportError {
         source: io::Error,
     },
     /// The content does not match the file name extension.
-    #[error("{}: not a readable mesh: {what}; export it again as .obj, .stl or .ply", path.display())]
+    #[error("{}: the file is not a readable mesh: {what}; export it again as .obj, .stl or .ply", path.display())]
     Content {
         /// The file.
         path: PathBuf,
@@ -45,7 +45,7 @@ pub enum ImportError {
         accepted: &'static str,
     },
     /// The file has no facets.
-    #[error("{}: holds no {element}; a {dimension}D scene needs a closed surface of them", path.display())]
+    #[error("{}: the file holds no {element}; a {dimension}D scene needs a closed surface of them", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
@@ -55,7 +55,7 @@ pub enum ImportError {
         dimension: usize,
     },
     /// A coordinate is not a finite number or an index points past the vertices.
-    #[error("{}: {what} of facet {facet}; export the mesh again", path.display())]
+    #[error("{}: facet {facet} has {what}; export the mesh again", path.display())]
     Facet {
         /// The file.
         path: PathBuf,
@@ -66,7 +66,7 @@ pub enum ImportError {
     },
     /// The surface intersects itself.
     #[error(
-        "{}: the surface passes through itself, or lies on itself, near {at:?}; mend it (Blender: Boolean union, \
+        "{}: the surface passes through itself or touches itself near {at:?}; repair it (Blender: Boolean union, \
          or 3D-Print Toolbox, Make Manifold)", path.display()
     )]
     SelfIntersection {
@@ -88,7 +88,7 @@ pub enum ImportError {
     /// The surface has holes.
     #[error(
         "{}: the surface is not closed: {open} of its edges (2D: end points) bound an odd number of facets, \
-         the first near {near:?}; fill the holes, or remove facets that are too many (Blender finds them: Select > All by \
+         the first near {near:?}; fill the holes, or remove superfluous facets (Blender finds them: Select > All by \
          Trait > Non Manifold)", path.display()
     )]
     Open {
@@ -134,7 +134,11 @@ pub enum ImportError {
 }
 
 /// Vertices and facets as in the file.
-type Raw = (Vec<[f64; 3]>, Vec<Vec<u32>>);
+#[derive(Default)]
+struct RawSurface {
+    points: Vec<[f64; 3]>,
+    facets: Vec<Vec<u32>>,
+}
 
 /// Reads and checks a closed surface and orients it outward; positions in m.
 pub fn load<const D: usize>(path: &Path) -> Result<SurfaceMesh<D>, ImportError> {
@@ -158,7 +162,7 @@ pub fn load<const D: usize>(path: &Path) -> Result<SurfaceMesh<D>, ImportError> 
 /// diagonal of the mesh.
 fn from_raw<const D: usize>(
     path: &Path,
-    (points, facets): Raw,
+    RawSurface { points, facets }: RawSurface,
     tolerance: f64,
 ) -> Result<SurfaceMesh<D>, ImportError> {
     if facets.is_empty() {
@@ -175,11 +179,11 @@ fn from_raw<const D: usize>(
     for (facet, f) in facets.iter().enumerate() {
         let fail = |what| Err(ImportError::Facet { path: path.into(), what, facet });
         if f.len() != D || f.iter().any(|v| *v as usize >= points.len()) {
-            return fail("a vertex that does not exist is a corner");
+            return fail("a vertex that does not exist");
         }
         let v: [u32; D] = std::array::from_fn(|k| f[k]);
         if v.iter().any(|v| !mesh.positions[*v as usize].iter().all(|x| x.is_finite())) {
-            return fail("a coordinate that is not a finite number belongs to a corner");
+            return fail("a coordinate that is not a finite number");
         }
         mesh.facets.push(v);
     }
@@ -305,7 +309,7 @@ fn orient_loops<const D: usize>(mesh: &mut SurfaceMesh<D>) {
 }
 
 /// The faces (2D: edges) of a PLY file.
-fn from_ply<const D: usize>(path: &Path) -> Result<Raw, ImportError> {
+fn from_ply<const D: usize>(path: &Path) -> Result<RawSurface, ImportError> {
     let mesh = PlyMesh::load(path).map_err(|e| match e {
         PlyError::Io { path, source } => ImportError::Read { path, source },
         PlyError::Format { path, what } => ImportError::Content { path, what },
@@ -315,11 +319,11 @@ fn from_ply<const D: usize>(path: &Path) -> Result<Raw, ImportError> {
     } else {
         mesh.faces.iter().map(|f| f.to_vec()).collect()
     };
-    Ok((mesh.positions, facets))
+    Ok(RawSurface { points: mesh.positions, facets })
 }
 
 /// The triangles of all groups of an OBJ file; polygons are split into fans.
-fn obj_faces(bytes: &[u8]) -> Result<Raw, String> {
+fn obj_faces(bytes: &[u8]) -> Result<RawSurface, String> {
     let options = tobj::LoadOptions {
         triangulate: true,
         ignore_lines: true,
@@ -329,7 +333,7 @@ fn obj_faces(bytes: &[u8]) -> Result<Raw, String> {
     let no_materials = |_: &Path| Ok(Default::default());
     let (models, _) =
         tobj::load_obj_buf(&mut io::Cursor::new(bytes), &options, no_materials).map_err(|e| e.to_string())?;
-    let (mut points, mut facets): Raw = Default::default();
+    let RawSurface { mut points, mut facets } = RawSurface::default();
     for model in models {
         let base = points.len() as u32;
         points.extend(model.mesh.positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]].map(f64::from)));
@@ -337,12 +341,12 @@ fn obj_faces(bytes: &[u8]) -> Result<Raw, String> {
             model.mesh.indices.chunks_exact(3).map(|f| f.iter().map(|v| v + base).collect::<Vec<_>>()),
         );
     }
-    Ok((points, facets))
+    Ok(RawSurface { points, facets })
 }
 
 /// The polylines of an OBJ file as edges.
-fn obj_lines(text: &str) -> Result<Raw, String> {
-    let (mut points, mut edges): Raw = Default::default();
+fn obj_lines(text: &str) -> Result<RawSurface, String> {
+    let RawSurface { mut points, facets: mut edges } = RawSurface::default();
     for (number, line) in text.lines().enumerate() {
         let wrong = || format!("line {}: {line:?}", number + 1);
         let mut words = line.split_whitespace();
@@ -364,11 +368,11 @@ fn obj_lines(text: &str) -> Result<Raw, String> {
             _ => {}
         }
     }
-    Ok((points, edges))
+    Ok(RawSurface { points, facets: edges })
 }
 
 /// The triangles of an STL file, ASCII or binary. A binary file is recognised by its length, not by its title.
-fn stl_faces(bytes: &[u8]) -> Result<Raw, String> {
+fn stl_faces(bytes: &[u8]) -> Result<RawSurface, String> {
     let mut bytes = bytes.to_vec();
     let count = bytes.get(80..84).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
     let needed = count.map_or(84, |n| 84 + 50 * n);
@@ -379,7 +383,8 @@ fn stl_faces(bytes: &[u8]) -> Result<Raw, String> {
     }
     let mesh = stl_io::read_stl(&mut io::Cursor::new(bytes)).map_err(|e| e.to_string())?;
     let points = mesh.vertices.iter().map(|v| [v[0], v[1], v[2]].map(f64::from)).collect();
-    Ok((points, mesh.faces.iter().map(|f| f.vertices.iter().map(|v| *v as u32).collect()).collect()))
+    let facets = mesh.faces.iter().map(|f| f.vertices.iter().map(|v| *v as u32).collect()).collect();
+    Ok(RawSurface { points, facets })
 }
 
 #[cfg(test)]

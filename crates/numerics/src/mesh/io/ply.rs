@@ -34,7 +34,7 @@ pub enum PlyError {
         source: io::Error,
     },
     /// The content is not a PLY mesh.
-    #[error("{}: not a readable PLY file: {what}", path.display())]
+    #[error("{}: the file is not a readable PLY file: {what}", path.display())]
     Format {
         /// The file; `<memory>` if the bytes did not come from one.
         path: PathBuf,

@@ -20,7 +20,9 @@ const MIN_CELLS: usize = 2;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum BlockError {
     /// A side or an edge is not a positive length.
-    #[error("a box of {size:?} m cannot have edges of {edge} m; give positive lengths")]
+    #[error(
+        "a box with sides of {size:?} m cannot be filled with elements with edges of {edge} m; give positive lengths"
+    )]
     Size {
         /// Sides, m.
         size: Vec<f64>,
@@ -28,7 +30,7 @@ pub enum BlockError {
         edge: f64,
     },
     /// The mesh would have too many vertices.
-    #[error("edges of {edge} m would take about {vertices:e} vertices; give longer ones")]
+    #[error("a mesh with edges of {edge} m would have about {vertices:e} vertices; give longer edges")]
     TooFine {
         /// Edge requested, m.
         edge: f64,

@@ -61,12 +61,12 @@ impl<const D: usize> VolumeMesh<D> {
             true => Ok(()),
             false => Err(OutlineError::Size { what, value }),
         };
-        length("edges", edge)?;
+        length("the length of edges", edge)?;
         if D == 3 {
-            length("a thickness", thickness)?;
+            length("the thickness", thickness)?;
         }
         if let Some(side) = outline.square_side {
-            length("a square", side)?;
+            length("the side of the square", side)?;
             let half = Vector::from_fn(|a, _| 0.5 * if a < 2 { side } else { thickness });
             return Ok(Self::of_box(center, &half, rotation, edge, order)?);
         }

@@ -23,7 +23,7 @@ const CROSS_BRIDGE: f64 = 0.25;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum OutlineError {
     /// There are fewer than three points.
-    #[error("an outline of {count} points; give three or more")]
+    #[error("the outline has {count} points; give three or more")]
     TooFew {
         /// Number of points.
         count: usize,
@@ -35,14 +35,14 @@ pub enum OutlineError {
         point: usize,
     },
     /// Two consecutive points coincide.
-    #[error("points {point} and the next of the outline are at one place; remove one")]
+    #[error("point {point} of the outline coincides with the next one; remove one of them")]
     Repeated {
         /// Number of the first.
         point: usize,
     },
     /// The outline intersects or touches itself.
     #[error(
-        "the sides of the outline after points {first} and {second} meet; an outline may not touch itself"
+        "the sides of the outline that start at points {first} and {second} meet; an outline must not touch itself"
     )]
     SelfIntersection {
         /// Start point of the first side.
@@ -51,7 +51,7 @@ pub enum OutlineError {
         second: usize,
     },
     /// A length is not a positive number.
-    #[error("{what} of {value} m; give a positive length")]
+    #[error("{what} is {value} m; give a positive length")]
     Size {
         /// Which length.
         what: &'static str,
@@ -59,7 +59,7 @@ pub enum OutlineError {
         value: f64,
     },
     /// The mesh would have too many vertices.
-    #[error("edges of {edge} m would take about {vertices:e} vertices; give longer ones")]
+    #[error("a mesh with edges of {edge} m would have about {vertices:e} vertices; give longer edges")]
     TooFine {
         /// Edge requested, m.
         edge: f64,
@@ -70,7 +70,7 @@ pub enum OutlineError {
     #[error(transparent)]
     Block(#[from] BlockError),
     /// The outline is locally thinner than the edge length.
-    #[error("the outline is too thin near {near:?} for edges of {edge} m; give shorter ones")]
+    #[error("the outline is too thin near {near:?} m for edges of {edge} m; give shorter edges")]
     TooCoarse {
         /// Edge requested, m.
         edge: f64,

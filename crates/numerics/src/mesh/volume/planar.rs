@@ -47,11 +47,14 @@ impl Outline {
     /// `edge` is not positive and finite, there would be too many vertices, or edges are too long for the outline.
     pub fn triangulate(&self, edge: f64) -> Result<PlanarTriangulation, OutlineError> {
         if !(edge > 0.0 && edge.is_finite()) {
-            return Err(OutlineError::Size { what: "edges", value: edge });
+            return Err(OutlineError::Size { what: "the length of edges", value: edge });
         }
         let vertices = self.surface().volume() / (edge * edge * 0.75f64.sqrt());
         if !(vertices > 0.0 && vertices.is_finite()) {
-            return Err(OutlineError::Size { what: "an outline", value: vertices * edge });
+            return Err(OutlineError::Size {
+                what: "the area of the outline over the length of edges",
+                value: vertices * edge,
+            });
         }
         if vertices > MAX_VERTICES {
             return Err(OutlineError::TooFine { edge, vertices });

@@ -50,7 +50,7 @@ pub struct SimplexShape {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MeshDefect {
     /// A vertex of a simplex does not exist or is repeated.
-    #[error("element {simplex} has a vertex that does not exist, or the same one twice")]
+    #[error("element {simplex} has a vertex that does not exist, or the same vertex twice")]
     Vertex {
         /// Number of the simplex.
         simplex: usize,
@@ -63,7 +63,7 @@ pub enum MeshDefect {
     },
     /// Simplices are inverted.
     #[error(
-        "{count} elements are inverted, the first is element {simplex} near {near:?} with volume {volume:e}"
+        "{count} elements are inverted, the first is element {simplex} near {near:?} m with volume {volume:e}"
     )]
     Inverted {
         /// Number of inverted simplices.
@@ -76,7 +76,9 @@ pub enum MeshDefect {
         near: Vec<f64>,
     },
     /// Simplices are degenerate.
-    #[error("{count} elements are flat, the first is element {simplex} near {near:?} with volume {volume:e}")]
+    #[error(
+        "{count} elements are flat, the first is element {simplex} near {near:?} m with volume {volume:e}"
+    )]
     Degenerate {
         /// Number of degenerate simplices.
         count: usize,
@@ -88,7 +90,7 @@ pub enum MeshDefect {
         near: Vec<f64>,
     },
     /// More than two simplices share a facet, or two lie on the same side of it.
-    #[error("the elements on facet {facet:?} near {near:?} overlap")]
+    #[error("the elements on facet {facet:?} near {near:?} m overlap")]
     Overlap {
         /// The facet's vertices.
         facet: Vec<u32>,
@@ -96,7 +98,7 @@ pub enum MeshDefect {
         near: Vec<f64>,
     },
     /// The boundary touches itself at a vertex or along an edge.
-    #[error("the boundary touches itself at vertex {vertex} near {near:?}")]
+    #[error("the boundary touches itself at vertex {vertex} near {near:?} m")]
     NonManifold {
         /// Number of the vertex.
         vertex: usize,
@@ -104,7 +106,7 @@ pub enum MeshDefect {
         near: Vec<f64>,
     },
     /// The mesh has several connected components.
-    #[error("the mesh falls into {count} parts")]
+    #[error("the mesh consists of {count} parts that are not connected")]
     Disconnected {
         /// Number of components.
         count: usize,

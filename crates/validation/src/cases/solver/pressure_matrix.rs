@@ -4,7 +4,7 @@ use crate::measure::{at_least, at_most, bars};
 use crate::{Case, Check};
 use meniscus_numerics::fit::{min_relative_pivot, solve};
 use meniscus_numerics::grid::{CellField, FaceField, Grid, Lattice, Run, Runs};
-use meniscus_numerics::linalg::{LinearOperator, PoissonInput, PressureSolver};
+use meniscus_numerics::linalg::{LinearOperator, PoissonInput, PressureSolver, SolveLimits};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -146,7 +146,8 @@ fn run() -> Vec<Check> {
         let mut rhs = CellField::new(system.grid, 0.0);
         system.cells.iter().for_each(|c| rhs.data[*c] = random.next() - 0.5);
         let mut x = CellField::new(system.grid, 0.0);
-        let solved = solver.solve(&rhs, &mut x, 1e-13, 500).is_ok();
+        let limits = SolveLimits { tolerance: 1e-13, max_iterations: 500 };
+        let solved = solver.solve(&rhs, &mut x, limits).is_ok();
         let exact = solve(dense, system.cells.iter().map(|c| rhs.data[*c]).collect()).unwrap_or_default();
         let size = exact.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let off = system.cells.iter().zip(&exact).map(|(c, v)| (x.data[*c] - v).abs()).fold(0.0, f64::max);

@@ -17,7 +17,7 @@ pub enum VolumeImportError {
         source: io::Error,
     },
     /// The extension is not that of a supported format.
-    #[error("{}: {found:?} is no volume mesh; use .msh (Gmsh), .node with .ele (TetGen, Triangle) or .vtk", path.display())]
+    #[error("{}: {found:?} is not a format of volume meshes; use .msh (Gmsh), .node with .ele (TetGen, Triangle) or .vtk", path.display())]
     Format {
         /// The file.
         path: PathBuf,
@@ -35,7 +35,7 @@ pub enum VolumeImportError {
         what: String,
     },
     /// The file has no elements of the required dimension.
-    #[error("{}: holds no {element}; a {dimension}D solid needs them", path.display())]
+    #[error("{}: the file holds no {element}; a {dimension}D solid needs them", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
@@ -57,7 +57,7 @@ pub enum VolumeImportError {
         wanted: &'static str,
     },
     /// A vertex of an element does not exist or is repeated.
-    #[error("{}: element {element} has a vertex that does not exist, or the same one twice; export again", path.display())]
+    #[error("{}: element {element} has a vertex that does not exist, or the same vertex twice; export the mesh again", path.display())]
     Vertex {
         /// The file.
         path: PathBuf,
@@ -77,7 +77,7 @@ pub enum VolumeImportError {
     /// Some but not all elements are inverted.
     #[error(
         "{}: {count} of {total} elements are inverted, the first is element {element} near {near:?}; \
-         mend the mesh (Gmsh: -optimize, or mesh again with another size)", path.display()
+         repair the mesh (Gmsh: -optimize, or mesh again with another size)", path.display()
     )]
     Inverted {
         /// The file.
@@ -94,7 +94,7 @@ pub enum VolumeImportError {
     /// Elements are degenerate: they have no volume.
     #[error(
         "{}: {count} elements have no volume, the first is element {element} near {near:?}; \
-         mend the mesh (Gmsh: -optimize, or mesh again with another size)", path.display()
+         repair the mesh (Gmsh: -optimize, or mesh again with another size)", path.display()
     )]
     Flat {
         /// The file.
@@ -107,7 +107,7 @@ pub enum VolumeImportError {
         near: Vec<f64>,
     },
     /// The mesh as a whole cannot be used.
-    #[error("{}: {defect} (vertices by number without unused ones); mesh again", path.display())]
+    #[error("{}: {defect} (vertices are numbered without unused ones); mesh the solid again", path.display())]
     Defect {
         /// The file.
         path: PathBuf,

@@ -244,7 +244,7 @@ fn mended<const D: usize>() {
     assert!(message(&pinched).contains("the boundary touches itself at vertex"), "{}", message(&pinched));
     let mut twice = mesh.clone();
     twice.simplices[0].others[0] = twice.simplices[0].root;
-    assert!(message(&twice).contains("element 2 has a vertex that does not exist, or the same one twice"));
+    assert!(message(&twice).contains("element 2 has a vertex that does not exist, or the same vertex twice"));
 }
 
 #[test]

@@ -44,7 +44,8 @@ pub type Distance<'a, const D: usize> = dyn Fn(&Vector<D>) -> f64 + Sync + 'a;
 pub enum StuffingError {
     /// The edge is not positive and finite, or the bounds are not finite.
     #[error(
-        "edges of {edge} m within {lower:?} to {upper:?} cannot be; give a positive edge and finite bounds"
+        "a box from {lower:?} to {upper:?} m cannot be filled with a lattice with edges of {edge} m; give a positive length and finite \
+         bounds"
     )]
     Size {
         /// Edge requested, m.
@@ -55,7 +56,7 @@ pub enum StuffingError {
         upper: Vec<f64>,
     },
     /// The lattice would have too many vertices.
-    #[error("edges of {edge} m would take {vertices:e} vertices; give longer ones")]
+    #[error("a lattice with edges of {edge} m would have {vertices:e} vertices; give longer edges")]
     TooFine {
         /// Edge requested, m.
         edge: f64,
@@ -64,14 +65,14 @@ pub enum StuffingError {
     },
     /// The region is empty, or thinner than an edge.
     #[error(
-        "no vertex of a lattice with edges of {edge} m lies in the region: give shorter edges, or a region with something in it"
+        "no vertex of a lattice with edges of {edge} m lies in the region; give shorter edges, or a region that is not empty"
     )]
     Empty {
         /// Edge requested, m.
         edge: f64,
     },
     /// The region extends beyond the bounds.
-    #[error("the region goes on beyond its bounds near {near:?}")]
+    #[error("the region extends beyond its bounds near {near:?} m; give larger bounds")]
     Beyond {
         /// A point of the region outside the bounds, m.
         near: Vec<f64>,
@@ -80,7 +81,7 @@ pub enum StuffingError {
     #[error(transparent)]
     Block(#[from] BlockError),
     /// The region is locally thinner than an edge, so the mesh touches itself.
-    #[error("with edges of {edge} m {defect}; give shorter edges")]
+    #[error("the mesh with edges of {edge} m has a defect: {defect}; give shorter edges")]
     Defect {
         /// Edge requested, m.
         edge: f64,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::ops::{Add, Div, Mul, Range, Sub};
 
 /// The number types of the loops.
-pub(super) trait Real:
+pub trait Real:
     Copy
     + Default
     + Send
@@ -31,13 +31,13 @@ impl Real for f32 {
 
 /// Coefficients of the cells of one colour of a block: toward the lower and upper neighbour along each axis,
 /// then at [`DIAGONAL`] their sum plus the Dirichlet coefficient (1 where the row is empty).
-pub(super) type CoefficientPack<T> = [[T; LANES]; 7];
+pub type CoefficientPack<T> = [[T; LANES]; 7];
 /// Index of the diagonal in a [`CoefficientPack`].
-pub(super) const DIAGONAL: usize = 6;
+pub const DIAGONAL: usize = 6;
 
 /// The coefficients of a span.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum SpanCoefficients {
+pub enum SpanCoefficients {
     /// All cells and their neighbours are unknowns, all coefficients have this value, and Dirichlet ones are zero.
     Uniform(f64),
     /// Index of the first pack in the list of the chunk.
@@ -46,7 +46,7 @@ pub(super) enum SpanCoefficients {
 
 /// Consecutive blocks of one row whose neighbours are also consecutive in memory.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Span {
+pub struct Span {
     pub entry: u32,
     pub blocks: u32,
     /// Entries of the lower and upper neighbours along axes 1.. .
@@ -62,7 +62,7 @@ pub(super) struct Span {
 
 /// A part of a level that one task works on.
 #[derive(Debug, Default)]
-pub(super) struct Chunk {
+pub struct Chunk {
     /// Block runs it covers.
     pub block_runs: Range<usize>,
     /// Entries it covers.
@@ -81,7 +81,7 @@ pub(super) struct Chunk {
 }
 
 /// A stored block while its coefficients are set up.
-pub(super) struct BlockSite<const D: usize> {
+pub struct BlockSite<const D: usize> {
     /// Coordinates of its first cell.
     pub at: [usize; D],
     /// Its number within the row.
@@ -93,7 +93,7 @@ pub(super) struct BlockSite<const D: usize> {
 }
 
 /// Coefficients of a block that is not uniform.
-pub(super) struct BlockCoefficients {
+pub struct BlockCoefficients {
     pub packs: [CoefficientPack<f64>; 2],
     pub dirichlet: [[f64; LANES]; 2],
 }
@@ -117,7 +117,7 @@ impl BlockCoefficients {
 }
 
 /// Builds the chunks of a level. `coefficients` returns the value of a uniform block or sets the packs of another.
-pub(super) fn build_chunks<const D: usize>(
+pub fn build_chunks<const D: usize>(
     layout: &Layout<D>,
     coarse: Option<&Layout<D>>,
     coefficients: impl Fn(&BlockSite<D>, &mut BlockCoefficients) -> Option<f64> + Sync,
@@ -236,7 +236,7 @@ fn push_block(spans: &mut Vec<Span>, block: Span) {
 
 /// Sums the coefficients of the finer level over the children of a block (Galerkin with piecewise constants). `chunks`
 /// and `kinds` belong to the finer level.
-pub(super) fn aggregate<const D: usize>(
+pub fn aggregate<const D: usize>(
     fine: &Layout<D>,
     chunks: &[Chunk],
     kinds: &[(u32, SpanCoefficients)],

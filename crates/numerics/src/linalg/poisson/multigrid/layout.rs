@@ -12,19 +12,19 @@ use crate::grid::Runs;
 use std::ops::Range;
 
 /// Entries of one colour in a block.
-pub(super) const LANES: usize = 8;
+pub const LANES: usize = 8;
 /// Cells of a block.
-pub(super) const BLOCK_CELLS: usize = 2 * LANES;
+pub const BLOCK_CELLS: usize = 2 * LANES;
 /// Maximum number of blocks in a span.
-pub(super) const MAX_SPAN_BLOCKS: usize = 64;
+pub const MAX_SPAN_BLOCKS: usize = 64;
 /// Entry of the zeros that represent rows that are not stored.
-pub(super) const ZERO_ENTRY: u32 = 1;
+pub const ZERO_ENTRY: u32 = 1;
 /// First entry that belongs to a block.
 const FIRST_BLOCK_ENTRY: usize = MAX_SPAN_BLOCKS * LANES + 2;
 
 /// A maximal run of stored blocks of one row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BlockRun {
+pub struct BlockRun {
     /// Row number.
     pub row: u32,
     /// First block.
@@ -39,7 +39,7 @@ pub(super) struct BlockRun {
 
 /// Which blocks are stored, and where.
 #[derive(Debug)]
-pub(super) struct Layout<const D: usize> {
+pub struct Layout<const D: usize> {
     /// Cells along each axis.
     pub extent: [usize; D],
     /// The stored block runs, by row.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 /// Runs `work` on every chunk together with the entries of `out` that belong to it; returns the results in
 /// order.
-pub(super) fn over_chunks<T: Send, R: Send>(
+pub fn over_chunks<T: Send, R: Send>(
     chunks: &[Chunk],
     out: &mut [T],
     work: impl Fn(&Chunk, &mut [T]) -> R + Sync,
@@ -25,7 +25,7 @@ pub(super) fn over_chunks<T: Send, R: Send>(
 }
 
 /// The same with two arrays.
-pub(super) fn over_chunks_pair<T: Send, R: Send>(
+pub fn over_chunks_pair<T: Send, R: Send>(
     chunks: &[Chunk],
     out: [&mut [T]; 2],
     work: impl Fn(&Chunk, [&mut [T]; 2]) -> R + Sync,
@@ -47,7 +47,7 @@ pub(super) fn over_chunks_pair<T: Send, R: Send>(
 
 /// Inputs of one entry of a sweep.
 #[derive(Clone, Copy)]
-pub(super) struct StencilRow<T> {
+pub struct StencilRow<T> {
     /// Entry of the first array passed in.
     pub a: T,
     /// Entry of the second one.
@@ -61,7 +61,7 @@ pub(super) struct StencilRow<T> {
 }
 
 /// Inputs of a sweep over the cells of one colour.
-pub(super) struct Operands<'a, T> {
+pub struct Operands<'a, T> {
     pub colour: usize,
     /// The coefficients.
     pub packs: &'a [CoefficientPack<T>],
@@ -75,7 +75,7 @@ pub(super) struct Operands<'a, T> {
 
 /// Writes `f` of every cell of one colour of a chunk into `out`, the entries of the chunk.
 #[inline(always)]
-pub(super) fn sweep<T: Real, const D: usize>(
+pub fn sweep<T: Real, const D: usize>(
     chunk: &Chunk,
     operands: &Operands<T>,
     out: &mut [T],
@@ -89,7 +89,7 @@ pub(super) fn sweep<T: Real, const D: usize>(
 
 /// The same for one span.
 #[inline(always)]
-pub(super) fn sweep_span<T: Real, const D: usize>(
+pub fn sweep_span<T: Real, const D: usize>(
     span: &Span,
     operands: &Operands<T>,
     out: &mut [T],
@@ -185,7 +185,7 @@ fn sweep_general<T: Real, const D: usize>(
 }
 
 /// Sets the two halves of a coarse right-hand side to the sums of the residual over the children. The residual of colour 1 is zero.
-pub(super) fn restrict<const D: usize>(chunk: &Chunk, fine: &[f32], out: [&mut [f32]; 2]) {
+pub fn restrict<const D: usize>(chunk: &Chunk, fine: &[f32], out: [&mut [f32]; 2]) {
     let [even_out, odd_out] = out;
     let mut block = 0;
     for span in &chunk.spans {
@@ -213,7 +213,7 @@ pub(super) fn restrict<const D: usize>(chunk: &Chunk, fine: &[f32], out: [&mut [
 }
 
 /// Adds `factor` times the coarse values to those of colour 0.
-pub(super) fn prolong(chunk: &Chunk, coarse: [&[f32]; 2], factor: f32, out: &mut [f32]) {
+pub fn prolong(chunk: &Chunk, coarse: [&[f32]; 2], factor: f32, out: &mut [f32]) {
     for span in &chunk.spans {
         let n = span.blocks as usize * LANES;
         let start = span.entry as usize - chunk.entries.start;

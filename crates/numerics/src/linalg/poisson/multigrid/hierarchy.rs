@@ -25,14 +25,14 @@ const COARSEST_MAX_CELLS: usize = 8;
 
 /// One level of the hierarchy.
 #[derive(Debug)]
-pub(super) struct Level<const D: usize> {
+pub struct Level<const D: usize> {
     pub layout: Layout<D>,
     pub chunks: Vec<Chunk>,
 }
 
 /// Work vectors of a level, by colour.
 #[derive(Debug, Default)]
-pub(super) struct Workspace {
+pub struct Workspace {
     x: [Vec<f32>; 2],
     b: [Vec<f32>; 2],
     residual: Vec<f32>,
@@ -40,7 +40,7 @@ pub(super) struct Workspace {
 
 /// The hierarchy.
 #[derive(Debug)]
-pub(super) struct Hierarchy<const D: usize> {
+pub struct Hierarchy<const D: usize> {
     pub levels: Vec<Level<D>>,
     /// Factor from the coefficients to those in single precision.
     scale: f64,
@@ -175,7 +175,7 @@ impl Workspace {
 }
 
 /// The next layout, unless the given one is the coarsest.
-pub(super) fn coarsened<const D: usize>(layout: &Layout<D>) -> Option<Layout<D>> {
+pub fn coarsened<const D: usize>(layout: &Layout<D>) -> Option<Layout<D>> {
     layout.extent.iter().any(|n| *n > COARSEST_MAX_CELLS).then(|| layout.coarsened())
 }
 
