@@ -1,6 +1,7 @@
 //! Scene files: the grammar as written, the resolved scene in SI units, and errors that point at the value.
 
 mod builtin_meshes;
+mod deserialize;
 mod document;
 mod grammar;
 mod resolve;
