@@ -15,5 +15,5 @@ pub(crate) use grammar::short;
 pub use grammar::*;
 pub use resolve::{LoadOptions, Quality};
 pub use resolved::*;
-pub(crate) use resolved::{describe_outside, outline, rotation, vector};
+pub(crate) use resolved::{outline, rotation, vector};
 pub use runnable::ensure_runnable;

@@ -350,7 +350,7 @@ impl Resolver {
     /// Refuses a body outside the domain. Walls may cut a body; a cut round shape gets a warning, since boxes, cylinders and the
     /// like are often extended beyond walls on purpose.
     fn check_liquid_inside(&mut self, path: &str, shape: &ShapeSpec) -> Result<(), SceneError> {
-        let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
+        let Some(Bounds { lower, upper }) = shape.bounds(self.dim) else { return Ok(()) };
         let mut cut = false;
         for i in 0..self.dim {
             if upper[i] <= 0.0 || lower[i] >= self.size[i] {

@@ -81,9 +81,7 @@ impl Resolver {
         let ShapeSpec::Union(parts) = self.union(&at, &u.parts)? else {
             return Err(self.error(&at, "the union contains no shape", "list at least one shape"));
         };
-        let endless = |s: &ShapeSpec| {
-            s.bounds(self.dim).is_some_and(|(l, u)| l.iter().chain(&u).any(|x| !x.is_finite()))
-        };
+        let endless = |s: &ShapeSpec| s.bounds(self.dim).is_some_and(|bounds| !bounds.is_finite());
         if let Some(i) = parts.iter().position(endless) {
             let help = "use ball, box, capsule, ellipsoid, cylinder, extrusion, cow or mesh, or `union` in place of `smooth_union`";
             return Err(self.error(&format!("{at}.{i}"), "this part of the smooth union is unbounded", help));

@@ -82,7 +82,7 @@ impl Resolver {
 
     fn check_solid_inside(&self, path: &str, shape: &ShapeSpec, name: &str) -> Result<(), SceneError> {
         let Some(bounds) = shape.bounds(self.dim) else { return Ok(()) };
-        match crate::file::describe_outside(&bounds, &self.size, 1e-6 * self.dx) {
+        match bounds.describe_outside(&self.size, 1e-6 * self.dx) {
             Some((reach, help)) => {
                 let message = format!("the solid `{name}` extends outside the domain: it {reach}");
                 Err(self.error(&self.source.first_inside(path), message, help))
@@ -99,7 +99,7 @@ impl Resolver {
         edge: f64,
         name: &str,
     ) -> Result<(), SceneError> {
-        let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
+        let Some(Bounds { lower, upper }) = shape.bounds(self.dim) else { return Ok(()) };
         let sides: Vec<f64> = lower.iter().zip(&upper).map(|(l, u)| u - l).collect();
         if sides.iter().any(|side| !side.is_finite()) {
             let message = format!("the deformable solid `{name}` is unbounded: it cannot be meshed");

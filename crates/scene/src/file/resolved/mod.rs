@@ -7,7 +7,6 @@ mod scene;
 mod tension;
 
 pub use bounds::Bounds;
-pub(crate) use bounds::describe_outside;
 pub use expectation::Expectation;
 pub(crate) use geometry::{outline, rotation, vector};
 pub use scene::*;
