@@ -1,7 +1,7 @@
 //! Deserialises a TOML tree as a scene file, with errors that say what was found, what is accepted, and where.
 
-use super::document::Source;
-use super::{HELP_MARK, SceneFile};
+use super::grammar::{HELP_MARK, SceneFile};
+use super::source::Source;
 use crate::error::{SceneError, nearest};
 use serde::de::value::{CowStrDeserializer, MapAccessDeserializer, MapDeserializer, SeqDeserializer};
 use serde::de::{Error as _, Expected, IntoDeserializer, Unexpected, Visitor};

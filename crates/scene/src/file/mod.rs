@@ -7,13 +7,18 @@ mod grammar;
 mod resolve;
 mod resolved;
 mod runnable;
+mod source;
 mod write;
 
 pub(crate) use builtin_meshes::read as read_mesh_file;
-pub use document::{Document, Source};
-pub(crate) use grammar::short;
-pub use grammar::*;
+pub use document::Document;
+pub use grammar::{Format, OutlineName, SceneFile, Scheme, Side, Wall};
 pub use resolve::{LoadOptions, Quality};
-pub use resolved::*;
+pub use resolved::{
+    Body, Bounds, ContactLine, Domain, Elastic, Expectation, Hysteresis, Liquid, Material, Moved, Numerics,
+    Outline, Output, Rotation, Scene, ShapeSpec, Solid, SolidTension, Tensions, WALLS, Warning, Warnings,
+    Wetting, WettingImage,
+};
 pub(crate) use resolved::{outline, rotation, vector};
 pub use runnable::ensure_runnable;
+pub use source::Source;

@@ -1,7 +1,21 @@
 //! Writes a resolved scene as a scene file.
 
-use super::*;
 use crate::error::{ErrorKind, SceneError};
+use crate::file::grammar::{
+    Acceleration, Angle, AngleAtFile, AngularVelocity, AxisAngleFile, BallFile, BodyFile, BoxFile,
+    CapsuleFile, CollisionFile, ContactAngleFile, ContactLineFile, CowFile, CylinderFile, DeflectionFile,
+    Density, DifferenceFile, DomainFile, DropsFile, DynamicViscosity, Either, ElasticFile, EllipsoidFile,
+    ExpectFile, ExtrusionFile, Frequency, FrequencyFile, GradientFile, HalfSpaceFile, HysteresisFile,
+    KeyframeFile, KinematicFile, KinematicViscosity, Length, LiquidFile, MaterialFile, MaxFile, MaxSpeedFile,
+    MeshFile, MeshScale, MovedFile, Named, NumericsFile, OutputFile, PatchFile, PeriodFile,
+    PerturbedBallFile, PositionFile, Pressure, ReachFile, RigidFile, RodFile, RotationFile, SceneFile,
+    ShapeFile, ShellFile, SmoothUnionFile, SolidFile, SolidMeshFile, SolidTensionFile, Speed, SpringsFile,
+    Tension, TensionFile, Time, WallsFile, WaveFile, WettedFile, WettingImageFile,
+};
+use crate::file::resolved::{
+    Body, ContactLine, Domain, Elastic, Expectation, Hysteresis, Material, Moved, Numerics, Outline,
+    Rotation, Scene, ShapeSpec, Solid, SolidTension, Tensions, Wetting, WettingImage,
+};
 
 impl Scene {
     /// The scene as run: SI, defaults and overrides filled in. Reading it again gives an identical scene.

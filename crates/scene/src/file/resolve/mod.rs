@@ -2,6 +2,7 @@
 
 mod expectation;
 mod repairs;
+mod resolver;
 mod scene;
 mod shape;
 mod solid;

@@ -1,9 +1,13 @@
 //! Resolves shapes to SI units.
 
-use super::scene::Resolver;
+use super::resolver::Resolver;
 use crate::error::SceneError;
 use crate::file::builtin_meshes;
-use crate::file::*;
+use crate::file::grammar::{
+    BoxFile, Either, ExtrusionFile, Length, MeshFile, PerturbedBallFile, RotationFile, ShapeFile,
+    SmoothUnionFile, WaveFile,
+};
+use crate::file::resolved::{Outline, Rotation, ShapeSpec, VOLUME_EXTENSIONS};
 use std::path::{Path, PathBuf};
 
 impl Resolver {

@@ -1,8 +1,12 @@
 //! Resolves solids and the contact line to SI units.
 
-use super::scene::Resolver;
+use super::resolver::Resolver;
 use crate::error::{SceneError, nearest};
-use crate::file::*;
+use crate::file::grammar::{
+    CollisionFile, ContactLineFile, Either, KeyframeFile, KinematicFile, MaterialFile, MovedFile, Pressure,
+    SolidFile, short,
+};
+use crate::file::resolved::{Bounds, ContactLine, Elastic, Material, Moved, ShapeSpec, Solid};
 
 /// Speed of sound in air, m/s.
 const SPEED_OF_SOUND: f64 = 343.0;
@@ -280,10 +284,8 @@ impl Resolver {
         if speed <= SPEED_OF_SOUND {
             return Ok(());
         }
-        let message = format!(
-            "the prescribed speed of {} m/s is above the speed of sound in air",
-            crate::file::short(speed)
-        );
+        let message =
+            format!("the prescribed speed of {} m/s is above the speed of sound in air", short(speed));
         Err(self.error(
             &self.source.first_inside(path),
             message,

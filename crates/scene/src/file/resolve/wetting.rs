@@ -1,8 +1,14 @@
 //! Resolves tensions, patterns of the contact angle and hysteresis to SI units.
 
-use super::scene::Resolver;
+use super::resolver::Resolver;
 use crate::error::SceneError;
-use crate::file::*;
+use crate::file::grammar::{
+    Angle, AngleAtFile, HysteresisFile, Length, PatchFile, SolidTensionFile, TensionFile, WettingImageFile,
+};
+use crate::file::resolved::{
+    Bounds, ContactLine, Domain, Hysteresis, ShapeSpec, Solid, SolidTension, Tensions, WALLS, Wetting,
+    WettingImage,
+};
 use std::f64::consts::PI;
 use std::path::PathBuf;
 

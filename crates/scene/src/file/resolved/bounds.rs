@@ -1,6 +1,7 @@
 //! Geometry of shapes: bounds, point containment, typical radius.
 
-use crate::file::{Rotation, ShapeSpec, short};
+use super::shape::{Rotation, ShapeSpec};
+use crate::file::grammar::short;
 use meniscus_numerics::shape::SmoothUnion;
 use std::f64::consts::PI;
 

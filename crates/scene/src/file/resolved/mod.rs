@@ -4,10 +4,15 @@ mod bounds;
 mod expectation;
 mod geometry;
 mod scene;
+mod shape;
 mod tension;
+mod warning;
 
 pub use bounds::Bounds;
 pub use expectation::Expectation;
 pub(crate) use geometry::{outline, rotation, vector};
-pub use scene::*;
-pub use tension::*;
+pub use scene::{Body, Domain, Elastic, Liquid, Material, Moved, Numerics, Output, Scene, Solid, WALLS};
+pub(crate) use shape::VOLUME_EXTENSIONS;
+pub use shape::{Outline, Rotation, ShapeSpec};
+pub use tension::{ContactLine, Hysteresis, SolidTension, Tensions, Wetting, WettingImage};
+pub use warning::{Warning, Warnings};
