@@ -4,6 +4,7 @@ mod builtin_meshes;
 mod deserialize;
 mod document;
 mod grammar;
+mod material;
 mod resolve;
 mod resolved;
 mod runnable;
@@ -13,11 +14,12 @@ mod write;
 pub(crate) use builtin_meshes::read as read_mesh_file;
 pub use document::Document;
 pub use grammar::{Format, OutlineName, SceneFile, Scheme, Side, Wall};
+pub use material::{Elastic, Material};
 pub use resolve::{LoadOptions, Quality};
 pub use resolved::{
-    Body, Bounds, ContactLine, Domain, Elastic, Expectation, Hysteresis, Liquid, Material, Moved, Numerics,
-    Outline, Output, Rotation, Scene, ShapeSpec, Solid, SolidTension, Tensions, WALLS, Warning, Warnings,
-    Wetting, WettingImage,
+    Body, Bounds, ContactLine, Domain, Expectation, Hysteresis, Liquid, Moved, Numerics, Outline, Output,
+    Rotation, Scene, ShapeSpec, Solid, SolidTension, Tensions, WALLS, Warning, Warnings, Wetting,
+    WettingImage,
 };
 pub(crate) use resolved::{outline, rotation, vector};
 pub use runnable::ensure_runnable;

@@ -2,7 +2,8 @@
 
 use crate::error::SceneError;
 use crate::file::grammar::{Format, Scheme};
-use crate::file::resolved::{Material, Scene, ShapeSpec};
+use crate::file::material::Material;
+use crate::file::resolved::{Scene, ShapeSpec};
 
 /// Checks that this version can run the scene.
 ///

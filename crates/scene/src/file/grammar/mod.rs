@@ -1,6 +1,7 @@
 //! The grammar of a scene file, exactly as written: `format = 1`.
 
 mod expect;
+mod keyframe;
 mod quantity;
 mod repairs;
 mod scene_file;
@@ -12,6 +13,7 @@ pub use expect::{
     ContactAngleFile, DeflectionFile, DropsFile, ExpectFile, FrequencyFile, MaxFile, MaxSpeedFile,
     PeriodFile, PositionFile, ReachFile, Side, WettedFile,
 };
+pub use keyframe::KeyframeFile;
 pub use quantity::{
     Acceleration, Angle, AngularVelocity, Density, DynamicViscosity, Either, Frequency, KinematicViscosity,
     Length, MeshScale, Named, Pressure, Speed, Tension, Time,
@@ -26,10 +28,7 @@ pub use shape::{
     ExtrusionFile, HalfSpaceFile, MeshFile, OutlineName, PerturbedBallFile, RotationFile, ShapeFile,
     SmoothUnionFile, WaveFile,
 };
-pub use solid::{
-    CollisionFile, ElasticFile, KeyframeFile, KinematicFile, MaterialFile, MovedFile, RigidFile, RodFile,
-    ShellFile, SolidFile, SolidMeshFile, SpringsFile,
-};
+pub use solid::{CollisionFile, MovedFile, SolidFile, SolidMeshFile};
 pub use wetting::{
     AngleAtFile, ContactLineFile, GradientFile, HysteresisFile, PatchFile, SolidTensionFile, TensionFile,
     WettingImageFile,

@@ -1,6 +1,7 @@
 //! Solids, as written in a scene file.
 
-use crate::file::grammar::{AngularVelocity, Density, Length, Pressure, ShapeFile, Speed, Tension, Time};
+use crate::file::grammar::{Density, KeyframeFile, Length, ShapeFile, Speed};
+use crate::file::material::MaterialFile;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -70,112 +71,4 @@ pub struct SolidMeshFile {
     /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge: Option<Length>,
-}
-
-/// Material of a solid.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum MaterialFile {
-    /// Rigid: moves freely, or is fixed.
-    Rigid(RigidFile),
-    /// Rigid, with prescribed motion.
-    Kinematic(KinematicFile),
-    /// Deformable: masses and springs, as in the paper.
-    Springs(SpringsFile),
-    /// Deformable: compressible neo-Hookean solid.
-    NeoHookean(ElasticFile),
-    /// Deformable: corotated linear elasticity.
-    Corotated(ElasticFile),
-    /// A thin sheet. This version does not run it.
-    #[schemars(skip)]
-    Shell(ShellFile),
-    /// A thin thread. This version does not run it.
-    #[schemars(skip)]
-    Rod(RodFile),
-}
-
-/// `rigid`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RigidFile {
-    /// Whether the solid is fixed; `false` by default.
-    #[serde(default)]
-    pub fixed: bool,
-}
-
-/// `kinematic`: prescribed motion by velocities or by keyframes.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct KinematicFile {
-    /// Constant velocity; 0 by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub velocity: Option<Vec<Speed>>,
-    /// Constant angular velocity, one entry in 2D and three in 3D; 0 by default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub angular_velocity: Option<Vec<AngularVelocity>>,
-    /// Displacements at given times: linear in between, constant before and after.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub keyframes: Option<Vec<KeyframeFile>>,
-}
-
-/// Prescribed displacement at one time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct KeyframeFile {
-    /// Time; it increases from one keyframe to the next.
-    pub time: Time,
-    /// Displacement from the position at the start.
-    pub translate: Vec<Length>,
-}
-
-/// `springs`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SpringsFile {
-    /// Stiffness of each spring, above 0.
-    pub stiffness: Tension,
-    /// Damping ratio of the lowest elastic mode: damping over critical damping; 0 to 100, 0 by default.
-    #[serde(default)]
-    pub damping_ratio: f64,
-}
-
-/// `neo_hookean`, `corotated`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ElasticFile {
-    /// Young's modulus, above 0.
-    pub young_modulus: Pressure,
-    /// Poisson's ratio, -0.99 to 0.499.
-    pub poisson_ratio: f64,
-    /// Damping ratio of the lowest elastic mode: damping over critical damping; 0 to 100, 0 by default.
-    #[serde(default)]
-    pub damping_ratio: f64,
-}
-
-/// `shell`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ShellFile {
-    /// Young's modulus, above 0.
-    pub young_modulus: Pressure,
-    /// Poisson's ratio, -0.99 to 0.499.
-    pub poisson_ratio: f64,
-    /// Thickness.
-    pub thickness: Length,
-    /// Damping ratio of the lowest elastic mode: damping over critical damping; 0 to 100, 0 by default.
-    #[serde(default)]
-    pub damping_ratio: f64,
-}
-
-/// `rod`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RodFile {
-    /// Young's modulus, above 0.
-    pub young_modulus: Pressure,
-    /// Radius of the cross-section.
-    pub radius: Length,
-    /// Damping ratio of the lowest elastic mode: damping over critical damping; 0 to 100, 0 by default.
-    #[serde(default)]
-    pub damping_ratio: f64,
 }

@@ -8,4 +8,5 @@ mod shape;
 mod solid;
 mod wetting;
 
+pub(super) use resolver::Resolver;
 pub use scene::{LoadOptions, Quality};

@@ -3,10 +3,10 @@
 use super::resolver::Resolver;
 use crate::error::{SceneError, nearest};
 use crate::file::grammar::{
-    CollisionFile, ContactLineFile, Either, KeyframeFile, KinematicFile, MaterialFile, MovedFile, Pressure,
-    SolidFile, short,
+    CollisionFile, ContactLineFile, Either, KeyframeFile, MovedFile, SolidFile, short,
 };
-use crate::file::resolved::{Bounds, ContactLine, Elastic, Material, Moved, ShapeSpec, Solid};
+use crate::file::material::Material;
+use crate::file::resolved::{Bounds, ContactLine, Moved, ShapeSpec, Solid};
 
 /// Speed of sound in air, m/s.
 const SPEED_OF_SOUND: f64 = 343.0;
@@ -126,99 +126,6 @@ impl Resolver {
         Ok(())
     }
 
-    fn elastic(
-        &self,
-        path: &str,
-        young: Pressure,
-        poisson: f64,
-        damping: f64,
-    ) -> Result<Elastic, SceneError> {
-        let at = |key: &str| format!("{path}.{key}");
-        Ok(Elastic {
-            young_modulus: self.positive(&at("young_modulus"), "the Young modulus", young.0)?,
-            poisson_ratio: self.poisson(&at("poisson_ratio"), poisson)?,
-            damping_ratio: self.within(&at("damping_ratio"), "the damping ratio", damping, 0.0, 100.0)?,
-        })
-    }
-
-    fn poisson(&self, path: &str, ratio: f64) -> Result<f64, SceneError> {
-        if ratio >= 0.5 {
-            let message = format!(
-                "the Poisson ratio is {ratio}, but must be below 0.5, the limit of incompressibility"
-            );
-            return Err(self.error(
-                path,
-                message,
-                "accepted: -0.99 to 0.499; rubber and gels have 0.45 to 0.49",
-            ));
-        }
-        self.within(path, "the Poisson ratio", ratio, -0.99, 0.499)
-    }
-
-    fn material(&self, path: &str, m: &MaterialFile) -> Result<Material, SceneError> {
-        let at = |key: &str| format!("{path}.{key}");
-        let damping = |p: String, v: f64| self.within(&p, "the damping ratio", v, 0.0, 100.0);
-        Ok(match m {
-            MaterialFile::Rigid(r) => Material::Rigid { fixed: r.fixed },
-            MaterialFile::Kinematic(k) => self.kinematic(&at("kinematic"), k)?,
-            MaterialFile::Springs(s) => Material::Springs {
-                stiffness: self.positive(&at("springs.stiffness"), "the stiffness", s.stiffness.0)?,
-                damping_ratio: damping(at("springs.damping_ratio"), s.damping_ratio)?,
-            },
-            MaterialFile::NeoHookean(e) => Material::NeoHookean(self.elastic(
-                &at("neo_hookean"),
-                e.young_modulus,
-                e.poisson_ratio,
-                e.damping_ratio,
-            )?),
-            MaterialFile::Corotated(e) => Material::Corotated(self.elastic(
-                &at("corotated"),
-                e.young_modulus,
-                e.poisson_ratio,
-                e.damping_ratio,
-            )?),
-            MaterialFile::Shell(s) => Material::Shell {
-                elastic: self.elastic(&at("shell"), s.young_modulus, s.poisson_ratio, s.damping_ratio)?,
-                thickness: self.positive_length(&at("shell.thickness"), "the thickness", s.thickness)?,
-            },
-            MaterialFile::Rod(s) => Material::Rod {
-                young_modulus: self.positive(
-                    &at("rod.young_modulus"),
-                    "the Young modulus",
-                    s.young_modulus.0,
-                )?,
-                radius: self.positive_length(&at("rod.radius"), "the radius", s.radius)?,
-                damping_ratio: damping(at("rod.damping_ratio"), s.damping_ratio)?,
-            },
-        })
-    }
-
-    fn kinematic(&self, path: &str, k: &KinematicFile) -> Result<Material, SceneError> {
-        let rotation_components = if self.dim == 2 { 1 } else { 3 };
-        let angular: Vec<f64> = k
-            .angular_velocity
-            .as_ref()
-            .map_or(vec![0.0; rotation_components], |w| w.iter().map(|x| x.0).collect());
-        if angular.len() != rotation_components {
-            let message = format!("found {} entries in the angular velocity", angular.len());
-            return Err(self.error(
-                &format!("{path}.angular_velocity"),
-                message,
-                format!("give {rotation_components} in a scene of {} dimensions", self.dim),
-            ));
-        }
-        let keyframes = self.keyframes(path, k.keyframes.as_deref())?;
-        if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
-            return Err(self.error(path, "both a velocity and keyframes are given", "remove one of them"));
-        }
-        let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
-        self.check_prescribed_speed(
-            &format!("{path}.velocity"),
-            velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
-        )?;
-        Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
-    }
-
     /// Parts with prescribed motion.
     fn prescribed_parts(&mut self, path: &str, files: &[MovedFile]) -> Result<Vec<Moved>, SceneError> {
         let mut out = Vec::new();
@@ -257,7 +164,7 @@ impl Resolver {
     }
 
     /// Keyframes as times, s, and displacements, m.
-    fn keyframes(
+    pub fn keyframes(
         &self,
         path: &str,
         files: Option<&[KeyframeFile]>,
@@ -280,7 +187,7 @@ impl Resolver {
     }
 
     /// Refuses a prescribed speed above the speed of sound in air (m/s): liquids are not incompressible there.
-    fn check_prescribed_speed(&self, path: &str, speed: f64) -> Result<(), SceneError> {
+    pub fn check_prescribed_speed(&self, path: &str, speed: f64) -> Result<(), SceneError> {
         if speed <= SPEED_OF_SOUND {
             return Ok(());
         }

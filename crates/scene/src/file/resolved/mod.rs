@@ -11,7 +11,7 @@ mod warning;
 pub use bounds::Bounds;
 pub use expectation::Expectation;
 pub(crate) use geometry::{outline, rotation, vector};
-pub use scene::{Body, Domain, Elastic, Liquid, Material, Moved, Numerics, Output, Scene, Solid, WALLS};
+pub use scene::{Body, Domain, Liquid, Moved, Numerics, Output, Scene, Solid, WALLS};
 pub(crate) use shape::VOLUME_EXTENSIONS;
 pub use shape::{Outline, Rotation, ShapeSpec};
 pub use tension::{ContactLine, Hysteresis, SolidTension, Tensions, Wetting, WettingImage};

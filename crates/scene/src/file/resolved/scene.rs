@@ -5,6 +5,7 @@ use super::shape::ShapeSpec;
 use super::tension::{ContactLine, Tensions};
 use super::warning::Warnings;
 use crate::file::grammar::{Format, Scheme, Wall};
+use crate::file::material::Material;
 use crate::file::source::Source;
 use std::f64::consts::FRAC_PI_2;
 
@@ -149,70 +150,6 @@ pub struct Moved {
     pub velocity: Vec<f64>,
     /// Time, s, and displacement, m; times increase.
     pub keyframes: Vec<(f64, Vec<f64>)>,
-}
-
-/// Material of a solid.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Material {
-    /// Rigid.
-    Rigid {
-        /// Whether it is fixed in space.
-        fixed: bool,
-    },
-    /// Prescribed motion.
-    Kinematic {
-        /// Constant velocity, m/s.
-        velocity: Vec<f64>,
-        /// Constant angular velocity, rad/s: one entry in 2D, three in 3D.
-        angular_velocity: Vec<f64>,
-        /// Time, s, and displacement, m; times increase.
-        keyframes: Vec<(f64, Vec<f64>)>,
-    },
-    /// Mass-spring network.
-    Springs {
-        /// Stiffness, N/m.
-        stiffness: f64,
-        /// Fraction of critical damping.
-        damping_ratio: f64,
-    },
-    /// Compressible neo-Hookean.
-    NeoHookean(Elastic),
-    /// Corotated linear elasticity.
-    Corotated(Elastic),
-    /// Thin shell.
-    Shell {
-        /// Constants.
-        elastic: Elastic,
-        /// Thickness, m.
-        thickness: f64,
-    },
-    /// Thin rod.
-    Rod {
-        /// Young modulus, Pa.
-        young_modulus: f64,
-        /// Radius of the section, m.
-        radius: f64,
-        /// Fraction of critical damping.
-        damping_ratio: f64,
-    },
-}
-
-impl Material {
-    /// Whether a solid of this material deforms.
-    pub fn deforms(&self) -> bool {
-        matches!(self, Self::Springs { .. } | Self::NeoHookean(_) | Self::Corotated(_))
-    }
-}
-
-/// Elastic constants.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Elastic {
-    /// Young modulus, Pa.
-    pub young_modulus: f64,
-    /// Poisson ratio.
-    pub poisson_ratio: f64,
-    /// Fraction of critical damping.
-    pub damping_ratio: f64,
 }
 
 /// Parameters of the discretisation.
