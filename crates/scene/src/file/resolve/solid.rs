@@ -17,36 +17,12 @@ impl Resolver {
         for (i, s) in files.iter().enumerate() {
             let path = format!("solid.{i}");
             let at = |key: &str| format!("{path}.{key}");
-            self.check_file_name(&at("name"), &s.name)?;
-            if s.name == "liquid_air" {
-                let help = "choose another name: `tension.liquid_air` is the tension of the liquid's surface";
-                return Err(self.error(&at("name"), "a solid cannot be called `liquid_air`", help));
-            }
-            if let Some(first) = out.iter().position(|o| o.name == s.name) {
-                let message = format!("two solids are called `{}`", s.name);
-                let help =
-                    format!("solid {first} (counted from 0) already has this name: rename one of them");
-                return Err(self.error(&at("name"), message, help));
-            }
+            self.check_solid_name(&at("name"), &s.name, &out)?;
             let shape = self.shape(&at("shape"), &s.shape)?;
             self.check_solid_inside(&at("shape"), &shape, &s.name)?;
             let material = self.material(&at("material"), &s.material)?;
-            let is_prescribed =
-                matches!(material, Material::Rigid { fixed: true } | Material::Kinematic { .. });
-            let density = s.density.map(|d| self.positive(&at("density"), "the density", d.0)).transpose()?;
-            if density.is_none() && !is_prescribed {
-                let message = format!("the density of `{}` is missing", s.name);
-                return Err(self.error(&path, message, "add `density = \"2.5 g/cm^3\"`"));
-            }
-            let mesh_edge = match s.mesh.as_ref().and_then(|m| m.edge) {
-                Some(_) if shape.volume_file().is_some() => {
-                    let help = "remove `mesh`, or give a closed surface (.obj, .ply, .stl) to be filled with elements";
-                    let message = "the elements of this solid come from its mesh file: `edge` has no effect";
-                    return Err(self.error(&at("mesh.edge"), message, help));
-                }
-                Some(e) => self.positive_length(&at("mesh.edge"), "the edge length", e)?,
-                None => self.dx / 1.5,
-            };
+            let density = self.density(&path, s, &material)?;
+            let mesh_edge = self.mesh_edge(&at("mesh.edge"), s, &shape)?;
             if material.deforms() {
                 self.check_meshable(&path, &shape, mesh_edge, &s.name)?;
             }
@@ -57,9 +33,8 @@ impl Resolver {
             let moved = self.prescribed_parts(&at("moved"), &s.moved)?;
             let velocity = self.velocity(&at("velocity"), s.velocity.as_ref())?;
             let (restitution, friction) = self.collision(&at("collision"), s.collision.as_ref())?;
-            let name = s.name.clone();
             out.push(Solid {
-                name,
+                name: s.name.clone(),
                 density,
                 shape,
                 mesh_edge,
@@ -72,6 +47,48 @@ impl Resolver {
             });
         }
         Ok(out)
+    }
+
+    /// Refuses a name that is not safe as a file name, has a meaning of its own, or is that of one of the solids `before`.
+    fn check_solid_name(&self, path: &str, name: &str, before: &[Solid]) -> Result<(), SceneError> {
+        self.check_file_name(path, name)?;
+        if name == "liquid_air" {
+            let help = "choose another name: `tension.liquid_air` is the tension of the liquid's surface";
+            return Err(self.error(path, "a solid cannot be called `liquid_air`", help));
+        }
+        if let Some(first) = before.iter().position(|o| o.name == name) {
+            let message = format!("two solids are called `{name}`");
+            let help = format!("solid {first} (counted from 0) already has this name: rename one of them");
+            return Err(self.error(path, message, help));
+        }
+        Ok(())
+    }
+
+    /// The density, kg/m³. Only a solid that forces do not move may have none.
+    fn density(&self, path: &str, s: &SolidFile, material: &Material) -> Result<Option<f64>, SceneError> {
+        let is_prescribed = matches!(material, Material::Rigid { fixed: true } | Material::Kinematic { .. });
+        match s.density {
+            Some(d) => self.positive(&format!("{path}.density"), "the density", d.0).map(Some),
+            None if is_prescribed => Ok(None),
+            None => {
+                let message = format!("the density of `{}` is missing", s.name);
+                Err(self.error(path, message, "add `density = \"2.5 g/cm^3\"`"))
+            }
+        }
+    }
+
+    /// The edge length of the mesh, m.
+    fn mesh_edge(&self, path: &str, s: &SolidFile, shape: &ShapeSpec) -> Result<f64, SceneError> {
+        match s.mesh.as_ref().and_then(|m| m.edge) {
+            Some(_) if shape.volume_file().is_some() => {
+                let help =
+                    "remove `mesh`, or give a closed surface (.obj, .ply, .stl) to be filled with elements";
+                let message = "the elements of this solid come from its mesh file: `edge` has no effect";
+                Err(self.error(path, message, help))
+            }
+            Some(e) => self.positive_length(path, "the edge length", e),
+            None => Ok(self.dx / 1.5),
+        }
     }
 
     /// Restitution and friction coefficients.
