@@ -1,6 +1,6 @@
 //! Failures of a command: a message for the user, an exit status for scripts.
 
-use meniscus_scene::error::SceneError;
+use meniscus_scene::error::{ErrorKind, SceneError};
 use meniscus_scene::output::FileError;
 use meniscus_scene::run::RunError;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
@@ -108,7 +108,7 @@ impl From<SceneError> for Failure {
                 let source = NamedSource::new(&error.source_name, text);
                 failure.place = Some(Box::new((source, LabeledSpan::new_with_span(None, span.clone()))));
             }
-            None if !error.source_name.is_empty() && !failure.message.contains(&error.source_name) => {
+            None if error.kind == ErrorKind::Invalid && !error.source_name.is_empty() => {
                 failure.message = format!("{}: {}", error.source_name, failure.message);
             }
             None => {}

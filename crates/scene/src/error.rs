@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub enum ErrorKind {
     /// The scene is invalid, or this version cannot run it (exit status 3).
     Invalid,
-    /// A file could not be read or written (exit status 4).
+    /// A file could not be read or written (exit status 4). The message names it.
     Io,
 }
 
@@ -44,7 +44,7 @@ impl SceneError {
         }
     }
 
-    /// A file that could not be read.
+    /// A file that could not be read. The message names the file.
     pub fn io(name: &str, message: impl Into<String>) -> Self {
         Self { kind: ErrorKind::Io, source_name: name.to_owned(), ..Self::new(message) }
     }

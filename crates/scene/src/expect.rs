@@ -1,7 +1,7 @@
 //! Evaluates the `[expect]` section at the end of a run from the files in its folder.
 
 use crate::file::{Expectation, Scene, Side, WALLS};
-use crate::output::summary::{Summary, Verdict};
+use crate::output::summary::{SolidSummary, Summary, Verdict};
 use crate::output::time_series::TimeSeries;
 use crate::units::{format_four_digits, format_si};
 
@@ -55,12 +55,7 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &TimeSeries) ->
         Expectation::Frequency { value, tolerance, .. } => {
             within_tolerance("frequency", period(series).map(f64::recip), *value, tolerance * value, "Hz")
         }
-        Expectation::Drops { min, max } => {
-            let count = summary.drops.len() as f64;
-            let bar = if min == max { min.to_string() } else { format_bounds(*min, *max) };
-            let pass = count >= f64::from(*min) && count <= f64::from(*max);
-            Verdict { quantity: "drops".into(), bar, value: Some(count), unit: String::new(), pass }
-        }
+        Expectation::Drops { min, max } => drop_count(summary, *min, *max),
         Expectation::Reach { side, value, tolerance } => within_tolerance(
             &format!("reach towards {side:?}").to_lowercase(),
             reach(summary, *side),
@@ -69,60 +64,27 @@ fn verdict(expectation: &Expectation, summary: &Summary, series: &TimeSeries) ->
             "m",
         ),
         Expectation::ContactAngle { solid, value, tolerance } => {
-            let degrees = |angle: f64| angle.to_degrees();
-            let named = summary.solids.iter().find(|s| s.name == *solid);
-            let walls = || summary.wall_contact_angle.filter(|_| solid == WALLS);
-            let found = named.map_or_else(walls, |s| s.contact_angle);
-            within_tolerance(
-                &format!("contact angle on {solid}"),
-                found,
-                degrees(*value),
-                degrees(*tolerance),
-                "deg",
-            )
+            let found = match solid_named(summary, solid) {
+                Some(solid) => solid.contact_angle,
+                None => summary.wall_contact_angle.filter(|_| solid == WALLS),
+            };
+            let (value, tolerance) = (value.to_degrees(), tolerance.to_degrees());
+            within_tolerance(&format!("contact angle on {solid}"), found, value, tolerance, "deg")
         }
         Expectation::Floats { solid } => floats(summary, solid),
-        Expectation::Sinks { solid } => {
-            let wetted = summary.solids.iter().find(|s| s.name == *solid).map(|s| s.wetted);
-            Verdict {
-                quantity: format!("wetted share of {solid}, which sinks"),
-                bar: format!("at least {FULLY_WETTED_SHARE}"),
-                value: wetted,
-                unit: String::new(),
-                pass: wetted.is_some_and(|share| share >= FULLY_WETTED_SHARE),
-            }
-        }
-        Expectation::Wetted { solid, min, max } => {
-            let wetted = summary.solids.iter().find(|s| s.name == *solid).map(|s| s.wetted);
-            Verdict {
-                quantity: format!("wetted share of {solid}"),
-                bar: format!("{min} to {max}"),
-                value: wetted,
-                unit: String::new(),
-                pass: wetted.is_some_and(|share| share >= *min && share <= *max),
-            }
-        }
-        Expectation::Deflection { solid, min, max } => {
-            let found = summary.solids.iter().find(|s| s.name == *solid).and_then(|s| s.deflection);
-            let bar = match max.is_finite() {
-                true => format!("{} to {}", format_value(*min, "m"), format_value(*max, "m")),
-                false => format!("at least {}", format_value(*min, "m")),
-            };
-            let pass = found.is_some_and(|d| d >= *min && d <= *max);
-            Verdict { quantity: format!("deflection of {solid}"), bar, value: found, unit: "m".into(), pass }
-        }
+        Expectation::Sinks { solid } => sinks(summary, solid),
+        Expectation::Wetted { solid, min, max } => wetted_share(summary, solid, *min, *max),
+        Expectation::Deflection { solid, min, max } => deflection(summary, solid, *min, *max),
         Expectation::Position { solid, value, tolerance, along } => {
-            let found = summary.solids.iter().find(|s| s.name == *solid);
-            let off = found.map(|s| {
-                let off = s.centroid.iter().zip(value).map(|(x, y)| x - y);
-                match along {
-                    Some(along) => off.zip(along).map(|(d, a)| d * a).sum::<f64>().abs(),
-                    None => off.map(|d| d * d).sum::<f64>().sqrt(),
-                }
-            });
+            let off = solid_named(summary, solid).map(|s| distance(&s.centroid, value, along.as_deref()));
             at_most(&format!("distance of {solid} from its expected position"), off, *tolerance, "m")
         }
     }
+}
+
+/// The solid of this name.
+fn solid_named<'a>(summary: &'a Summary, name: &str) -> Option<&'a SolidSummary> {
+    summary.solids.iter().find(|s| s.name == name)
 }
 
 fn at_most(quantity: &str, value: Option<f64>, max: f64, unit: &str) -> Verdict {
@@ -151,9 +113,17 @@ fn within_tolerance(
     }
 }
 
+/// Number of drops at the end.
+fn drop_count(summary: &Summary, min: u32, max: u32) -> Verdict {
+    let count = summary.drops.len() as f64;
+    let bar = if min == max { min.to_string() } else { format_bounds(min, max) };
+    let pass = count >= f64::from(min) && count <= f64::from(max);
+    Verdict { quantity: "drops".into(), bar, value: Some(count), unit: String::new(), pass }
+}
+
 /// Whether the liquid carries a solid that is not fully wetted. The value is its wetted share.
 fn floats(summary: &Summary, name: &str) -> Verdict {
-    let solid = summary.solids.iter().find(|s| s.name == *name);
+    let solid = solid_named(summary, name);
     let up = |force: &[f64]| force.last().copied().unwrap_or(0.0);
     let carried = solid.is_some_and(|s| up(&s.net_force) > FLOATING_FORCE_RATIO * up(&s.contact_force).abs());
     let wetted = solid.map(|s| s.wetted);
@@ -163,6 +133,49 @@ fn floats(summary: &Summary, name: &str) -> Verdict {
         value: wetted,
         unit: String::new(),
         pass: carried && wetted.is_some_and(|share| share > 0.0 && share < FULLY_WETTED_SHARE),
+    }
+}
+
+/// Whether a solid is fully wetted. The value is its wetted share.
+fn sinks(summary: &Summary, name: &str) -> Verdict {
+    let wetted = solid_named(summary, name).map(|s| s.wetted);
+    Verdict {
+        quantity: format!("wetted share of {name}, which sinks"),
+        bar: format!("at least {FULLY_WETTED_SHARE}"),
+        value: wetted,
+        unit: String::new(),
+        pass: wetted.is_some_and(|share| share >= FULLY_WETTED_SHARE),
+    }
+}
+
+fn wetted_share(summary: &Summary, name: &str, min: f64, max: f64) -> Verdict {
+    let wetted = solid_named(summary, name).map(|s| s.wetted);
+    Verdict {
+        quantity: format!("wetted share of {name}"),
+        bar: format!("{min} to {max}"),
+        value: wetted,
+        unit: String::new(),
+        pass: wetted.is_some_and(|share| share >= min && share <= max),
+    }
+}
+
+/// Deflection of a solid, m.
+fn deflection(summary: &Summary, name: &str, min: f64, max: f64) -> Verdict {
+    let found = solid_named(summary, name).and_then(|s| s.deflection);
+    let bar = match max.is_finite() {
+        true => format!("{} to {}", format_value(min, "m"), format_value(max, "m")),
+        false => format!("at least {}", format_value(min, "m")),
+    };
+    let pass = found.is_some_and(|d| d >= min && d <= max);
+    Verdict { quantity: format!("deflection of {name}"), bar, value: found, unit: "m".into(), pass }
+}
+
+/// Distance of two points, m; along a direction, if there is one.
+fn distance(x: &[f64], y: &[f64], along: Option<&[f64]>) -> f64 {
+    let off = x.iter().zip(y).map(|(x, y)| x - y);
+    match along {
+        Some(along) => off.zip(along).map(|(d, a)| d * a).sum::<f64>().abs(),
+        None => off.map(|d| d * d).sum::<f64>().sqrt(),
     }
 }
 

@@ -130,9 +130,9 @@ fn displaced_bodies_of<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<D
 /// The bounding box of a body, clipped to the domain.
 fn sampling_box<const D: usize>(scene: &Scene, shape: &ShapeSpec) -> [Vector<D>; 2] {
     let size = Vector::<D>::from_fn(|a, _| scene.domain.size[a]);
-    let Some((low, high)) = shape.bounds(D) else { return [Vector::zeros(), size] };
+    let Some(bounds) = shape.bounds(D) else { return [Vector::zeros(), size] };
     let corner = |x: &[f64]| Vector::<D>::from_fn(|a, _| x[a].clamp(0.0, size[a]));
-    [corner(&low), corner(&high)]
+    [corner(&bounds.lower), corner(&bounds.upper)]
 }
 
 /// Centres of `count` by `count` (by `count`) equal parts of a box.

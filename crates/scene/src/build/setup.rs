@@ -5,7 +5,7 @@ use super::shapes::{shape, signed_distance_fn};
 use super::thickness::pad_thin_solids;
 use crate::error::SceneError;
 use crate::estimate::parameters::parameters;
-use crate::file::{Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, describe_outside, vector};
+use crate::file::{Bounds, Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, vector};
 use crate::job::{ExistingRun, Job, Schedule, Stop};
 use crate::output::Folder;
 use crate::run::Observer;
@@ -172,8 +172,8 @@ fn check_mesh_inside_domain<const D: usize>(
     }
     let list = |v: Vector<D>| v.iter().copied().collect::<Vec<f64>>();
     let (lower, upper) = shape.bounds();
-    let bounds = (list(lower), list(upper));
-    let Some((reach, help)) = describe_outside(&bounds, &scene.domain.size, 1e-6 * scene.domain.dx) else {
+    let bounds = Bounds { lower: list(lower), upper: list(upper) };
+    let Some((reach, help)) = bounds.describe_outside(&scene.domain.size, 1e-6 * scene.domain.dx) else {
         return Ok(());
     };
     let error = SceneError::new(format!("the solid `{}` extends outside the domain: it {reach}", spec.name))

@@ -134,26 +134,11 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     let steps = (scene.output.duration / time_step).ceil();
     let cells = d.cell_count();
     let liquid_cell_count = liquid_cells.unwrap_or(cells);
-    let work = SECONDS_PER_CELL * scene.grid_cells() + SECONDS_PER_LIQUID_CELL * liquid_cell_count;
-    let nu = l.kinematic_viscosity;
-    let diameter = radius.map(|r| 2.0 * r);
+    let [bond, weber, ohnesorge, laplace, reynolds] = dimensionless_numbers(scene, radius, speed);
     let mut warnings = scene.warnings.0.clone();
     more_warnings(scene, &bodies, capillary_length, &mut warnings);
-    let supported = crate::file::ensure_runnable(scene);
-    let is_unsupported = supported.is_err();
-    let setup = supported.and_then(|()| AnySetup::of(scene));
-    let displaced = setup.as_ref().map_or_else(|_| Vec::new(), |setup| displaced_bodies(scene, setup));
-    let cut = check_displaced(scene, &displaced);
-    warnings.extend(cut.as_ref().cloned().unwrap_or_default());
-    let thin_liquid = setup.as_ref().ok().map(|setup| unresolved_share(scene, setup, &mut warnings));
-    let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
-    let fits = setup
-        .as_ref()
-        .map_or(Ok(()), |setup| memory::check_solid_memory(scene, setup, memory::machine_memory()));
-    let soft_bytes: f64 = soft.iter().map(|s| s.memory_bytes).sum();
-    let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
-    let solves = if soft.is_empty() { 1.0 } else { 1.0 + f64::from(scene.numerics.newton_iterations) };
-    let solving: f64 = soft.iter().map(|s| solves * per_byte(s.factorised) * s.solver_bytes).sum();
+    let built = check_setup(scene, &mut warnings);
+    let soft_bytes: f64 = built.soft.iter().map(|s| s.memory_bytes).sum();
     Report {
         name: scene.name.clone(),
         dimension: d.dimension,
@@ -162,29 +147,83 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
         dx: d.dx,
         liquid_volume: volume,
         liquid_cells,
-        displaced,
-        thin_liquid,
+        displaced: built.displaced,
+        thin_liquid: built.thin_liquid,
         memory_bytes: memory::liquid_memory(scene.grid_cells(), liquid_cell_count) + soft_bytes,
         steps,
-        run_seconds: steps * (solves * work / (threads.max(1) as f64) + solving),
+        run_seconds: steps * seconds_per_step(scene, liquid_cell_count, &built.soft, threads),
         time_step,
         capillary_step,
         radius,
         speed,
         capillary_length,
         capillary_length_cells: capillary_length.map(|c| c / d.dx),
-        bond: radius.filter(|_| g > 0.0).map(|r| l.density * g * r * r / gamma),
-        weber: diameter.map(|x| l.density * speed * speed * x / gamma),
-        ohnesorge: diameter.map(|x| nu * l.density / (l.density * gamma * x).sqrt()),
-        laplace: diameter.filter(|_| nu > 0.0).map(|x| gamma * x / (l.density * nu * nu)),
-        reynolds: diameter.filter(|_| nu > 0.0).map(|x| speed * x / nu),
+        bond,
+        weber,
+        ohnesorge,
+        laplace,
+        reynolds,
         bodies,
         pairs: pairs(scene),
-        soft,
+        soft: built.soft,
         warnings,
+        cannot_run: built.cannot_run,
+        error: built.error,
+    }
+}
+
+/// What is known of a scene only once its setup is built.
+struct BuiltReport {
+    displaced: Vec<DisplacedBody>,
+    thin_liquid: Option<f64>,
+    soft: Vec<SoftReport>,
+    cannot_run: Option<String>,
+    error: Option<SceneError>,
+}
+
+/// Builds the setup of a scene if this version can run it, and checks it. Adds warnings.
+fn check_setup(scene: &Scene, warnings: &mut Vec<Warning>) -> BuiltReport {
+    let supported = crate::file::ensure_runnable(scene);
+    let is_unsupported = supported.is_err();
+    let setup = supported.and_then(|()| AnySetup::of(scene));
+    let displaced = setup.as_ref().map_or_else(|_| Vec::new(), |setup| displaced_bodies(scene, setup));
+    let cut = check_displaced(scene, &displaced);
+    warnings.extend(cut.as_ref().cloned().unwrap_or_default());
+    let thin_liquid = setup.as_ref().ok().map(|setup| unresolved_share(scene, setup, warnings));
+    let soft = setup.as_ref().map_or_else(|_| Vec::new(), |setup| reports(scene, setup));
+    let fits = setup
+        .as_ref()
+        .map_or(Ok(()), |setup| memory::check_solid_memory(scene, setup, memory::machine_memory()));
+    BuiltReport {
+        displaced,
+        thin_liquid,
+        soft,
         cannot_run: setup.as_ref().err().map(SceneError::line),
         error: setup.err().filter(|_| !is_unsupported).or(fits.err()).or(cut.err()),
     }
+}
+
+/// Bo, We, Oh, La and Re of a body of liquid of this radius, m, and speed, m/s.
+fn dimensionless_numbers(scene: &Scene, radius: Option<f64>, speed: f64) -> [Option<f64>; 5] {
+    let (l, gamma) = (&scene.liquid, scene.tension.liquid_air);
+    let (g, nu) = (norm(&l.gravity), l.kinematic_viscosity);
+    let diameter = radius.map(|r| 2.0 * r);
+    [
+        radius.filter(|_| g > 0.0).map(|r| l.density * g * r * r / gamma),
+        diameter.map(|x| l.density * speed * speed * x / gamma),
+        diameter.map(|x| nu * l.density / (l.density * gamma * x).sqrt()),
+        diameter.filter(|_| nu > 0.0).map(|x| gamma * x / (l.density * nu * nu)),
+        diameter.filter(|_| nu > 0.0).map(|x| speed * x / nu),
+    ]
+}
+
+/// Rough wall time of a step on this number of threads, s.
+fn seconds_per_step(scene: &Scene, liquid_cells: f64, soft: &[SoftReport], threads: usize) -> f64 {
+    let work = SECONDS_PER_CELL * scene.grid_cells() + SECONDS_PER_LIQUID_CELL * liquid_cells;
+    let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
+    let solves = if soft.is_empty() { 1.0 } else { 1.0 + f64::from(scene.numerics.newton_iterations) };
+    let solving: f64 = soft.iter().map(|s| solves * per_byte(s.factorised) * s.solver_bytes).sum();
+    solves * work / (threads.max(1) as f64) + solving
 }
 
 /// Share of the liquid that is thinner than two cells at the start. Adds warnings about it and about gaps between solids.

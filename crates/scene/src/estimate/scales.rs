@@ -1,6 +1,6 @@
 //! Scales of a scene: volume and radius of its liquid, speeds, the longest step.
 
-use crate::file::{Scene, ShapeSpec};
+use crate::file::{Bounds, Scene, ShapeSpec};
 
 /// Norm of a vector.
 pub(crate) fn norm(v: &[f64]) -> f64 {
@@ -50,7 +50,7 @@ pub(crate) fn radius(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
 
 /// Half the smallest extent of the part inside the domain, m.
 fn half_min_extent_inside(scene: &Scene, shape: &ShapeSpec) -> Option<f64> {
-    let (lower, upper) = shape.bounds(scene.domain.dimension)?;
+    let Bounds { lower, upper } = shape.bounds(scene.domain.dimension)?;
     let extent = |((l, u), s): ((&f64, &f64), &f64)| 0.5 * (u.min(*s) - l.max(0.0));
     lower.iter().zip(&upper).zip(&scene.domain.size).map(extent).reduce(f64::min)
 }
@@ -62,10 +62,10 @@ pub fn liquid_volume(scene: &Scene) -> Option<f64> {
     let mut lower = d.size.clone();
     let mut upper = vec![0.0; dim];
     for body in &scene.liquid.bodies {
-        let (l, u) = body.shape.bounds(dim)?;
+        let bounds = body.shape.bounds(dim)?;
         for i in 0..dim {
-            lower[i] = lower[i].min(l[i].max(0.0));
-            upper[i] = f64::max(upper[i], u[i].min(d.size[i]));
+            lower[i] = lower[i].min(bounds.lower[i].max(0.0));
+            upper[i] = f64::max(upper[i], bounds.upper[i].min(d.size[i]));
         }
     }
     let count: usize = if dim == 2 { 512 } else { 96 };

@@ -1,122 +1,16 @@
-//! Scene text parsed into a TOML tree with source positions, `--set` overrides, and errors that point into the text.
+//! Scene text parsed into a TOML tree, and `--set` overrides of it.
 
-use super::{HELP_MARK, SceneFile};
-use crate::error::{SceneError, nearest};
-use serde::Deserialize as _;
+use super::grammar::SceneFile;
+use super::source::Source;
+use crate::error::SceneError;
 use serde::de::Error as _;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// The largest scene text that is read, bytes.
 const MAX_TEXT: usize = 4 << 20;
-
-/// Source positions of keys and values. The file and then every `--set` share one range of byte positions.
-#[derive(Clone, Debug, Default)]
-pub struct Source {
-    /// First position, name and text of each source text.
-    texts: Vec<(usize, String, Arc<str>)>,
-    /// Key and value positions by dotted path.
-    spans: BTreeMap<String, (Range<usize>, Range<usize>)>,
-}
-
-/// Two scenes from different sources can be equal, so all sources compare equal.
-impl PartialEq for Source {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl Source {
-    /// Adds a text; returns the position of its first byte.
-    fn add(&mut self, name: &str, text: &str) -> usize {
-        let start = self.texts.last().map_or(0, |(s, _, t)| s + t.len() + 1);
-        self.texts.push((start, name.to_owned(), Arc::from(text)));
-        start
-    }
-
-    /// The error with a range of positions attached.
-    pub(crate) fn point(&self, error: SceneError, span: Option<Range<usize>>) -> SceneError {
-        let wanted = span.as_ref().map_or(0, |s| s.start);
-        let piece = self.texts.iter().rev().find(|(start, _, _)| *start <= wanted);
-        match piece {
-            Some((start, name, text)) => {
-                let cut = span.map(|s| s.start - start..s.end.saturating_sub(*start));
-                error.at(name, text, cut)
-            }
-            None => error,
-        }
-    }
-
-    /// The error pointing at the value of a path, or at the nearest enclosing table that the text contains.
-    pub fn at_value(&self, error: SceneError, path: &str) -> SceneError {
-        let mut path = path;
-        loop {
-            if let Some((_, value)) = self.spans.get(path) {
-                return self.point(error, Some(value.clone()));
-            }
-            match path.rfind('.') {
-                Some(i) => path = &path[..i],
-                None => return self.point(error, None),
-            }
-        }
-    }
-
-    /// The error pointing at a key.
-    pub fn at_key(&self, error: SceneError, path: &str) -> SceneError {
-        match self.spans.get(path) {
-            Some((key, _)) => self.point(error, Some(key.clone())),
-            None => self.at_value(error, path),
-        }
-    }
-
-    /// The path of the first key inside a table, for tables whose only key names a kind.
-    pub fn first_inside(&self, path: &str) -> String {
-        let prefix = format!("{path}.");
-        let next = self.spans.range(prefix.clone()..).next();
-        next.filter(|(k, _)| k.starts_with(&prefix)).map_or_else(|| path.to_owned(), |(k, _)| k.clone())
-    }
-
-    /// Whether a path is written in the scene.
-    pub fn has(&self, path: &str) -> bool {
-        self.spans.contains_key(path)
-    }
-
-    /// The scene's text without `--set`.
-    pub fn text(&self) -> &str {
-        self.texts.first().map_or("", |p| &p.2)
-    }
-
-    fn collect_table(&mut self, prefix: &str, table: &DeTable<'_>) {
-        for (key, value) in table {
-            let path = if prefix.is_empty() {
-                key.get_ref().to_string()
-            } else {
-                format!("{prefix}.{}", key.get_ref())
-            };
-            self.collect(path, key.span(), value);
-        }
-    }
-
-    fn collect(&mut self, path: String, key: Range<usize>, value: &Spanned<DeValue<'_>>) {
-        match value.get_ref() {
-            DeValue::Table(t) => self.collect_table(&path, t),
-            DeValue::Array(a) => {
-                for (i, item) in a.iter().enumerate() {
-                    self.collect(format!("{path}.{i}"), item.span(), item);
-                }
-            }
-            _ => {}
-        }
-        // The span of a table written in dotted keys is empty or reversed; use the span of its key.
-        let span = value.span();
-        let span = if span.start < span.end { span } else { key.clone() };
-        self.spans.insert(path, (key, span));
-    }
-}
 
 /// A parsed scene text, not yet deserialised as a scene.
 pub struct Document<'i> {
@@ -141,7 +35,7 @@ impl<'i> Document<'i> {
         }
         match DeTable::parse(text) {
             Ok(root) => Ok(Self { source, root }),
-            Err(e) => Err(from_toml(&source, &e)),
+            Err(e) => Err(source.point(SceneError::new(e.message()), e.span())),
         }
     }
 
@@ -203,9 +97,9 @@ impl<'i> Document<'i> {
     /// [`SceneError`] pointing at the key or value that is not accepted.
     pub fn read(mut self) -> Result<(SceneFile, Source), SceneError> {
         self.source.collect_table("", self.root.get_ref());
-        match SceneFile::deserialize(toml::de::Deserializer::from(self.root)) {
+        match super::deserialize::scene_file(self.root) {
             Ok(file) => Ok((file, self.source)),
-            Err(e) => Err(from_toml(&self.source, &e)),
+            Err(e) => Err(e.in_source(&self.source)),
         }
     }
 }
@@ -322,88 +216,7 @@ fn name_of(item: &Spanned<DeValue<'_>>) -> Option<String> {
     }
 }
 
-/// Common synonyms, mapped to the keys and values of the scene grammar.
-const SYNONYMS: [(&str, &str); 8] = [
-    ("clamp", "fixed"),
-    ("clamped", "fixed"),
-    ("elastic", "neo_hookean"),
-    ("viscosity", "dynamic_viscosity"),
-    ("dt", "fixed_step"),
-    ("end_time", "duration"),
-    ("sphere", "ball"),
-    ("circle", "ball"),
-];
-
 fn with_article(noun: &str) -> String {
     let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
     format!("{article} {noun}")
-}
-
-/// Rewords an error of TOML or serde.
-fn from_toml(source: &Source, error: &toml::de::Error) -> SceneError {
-    let (message, help) = reword(error.message());
-    source.point(SceneError::new(message).with_help(help), error.span())
-}
-
-/// Message and help for users.
-fn reword(raw: &str) -> (String, String) {
-    if let Some((message, help)) = raw.split_once(HELP_MARK) {
-        return (message.to_owned(), help.to_owned());
-    }
-    let quoted: Vec<&str> = raw.split('`').skip(1).step_by(2).collect();
-    for (start, noun) in [("unknown field `", "key"), ("unknown variant `", "value")] {
-        if raw.starts_with(start) && !quoted.is_empty() {
-            let (found, accepted) = (quoted[0], &quoted[1..]);
-            let meant = SYNONYMS.iter().find(|(word, ours)| *word == found && accepted.contains(ours));
-            let near = meant.map(|m| m.1).or_else(|| nearest(found, accepted.iter().copied()));
-            let near = near.map_or_else(String::new, |n| format!("did you mean `{n}`? "));
-            let list = accepted.join(", ");
-            let help = match accepted {
-                [] => format!("no {noun} is accepted here"),
-                _ => format!("{near}accepted: {list}"),
-            };
-            return (format!("unknown {noun} `{found}`"), help);
-        }
-    }
-    if let (true, Some(key)) = (raw.starts_with("missing field `"), quoted.first()) {
-        let help = match *key {
-            "format" => {
-                "add `format = 1`, the version of the scene format, at the top of the file".to_owned()
-            }
-            key => format!("add `{key} = …` to this table"),
-        };
-        return (format!("the key `{key}` is missing"), help);
-    }
-    if let (true, Some(key)) = (raw.starts_with("duplicate key"), quoted.first()) {
-        return (format!("the key `{key}` is given twice"), "remove one of them".to_owned());
-    }
-    if let Some((found, wanted)) = raw.strip_prefix("invalid ").and_then(|r| r.split_once(", expected ")) {
-        let found = found.split_once(": ").map_or(found, |f| f.1);
-        return (format!("found {}", found), format!("expected {}", plain_type(wanted)));
-    }
-    if raw.starts_with("wanted exactly 1 element") {
-        let help = "keep exactly one of its keys, and remove the others";
-        return (
-            raw.replace("wanted exactly 1 element, found", "this table has").to_owned(),
-            help.to_owned(),
-        );
-    }
-    (raw.to_owned(), String::new())
-}
-
-/// Plain description of a Rust type name.
-fn plain_type(wanted: &str) -> String {
-    match wanted {
-        "u32" | "u64" | "usize" => "a whole number, not negative, no quotes".to_owned(),
-        "f64" => "a number, no quotes".to_owned(),
-        "a string" => "text in quotes".to_owned(),
-        "a boolean" => "true or false".to_owned(),
-        "a sequence" => "a list [ … ]".to_owned(),
-        other => match other.strip_prefix("struct ") {
-            Some("SolidTensionFile") => "a table, like { contact_angle = \"30 deg\" }".to_owned(),
-            Some(_) => "a table { … }".to_owned(),
-            None if other.starts_with("enum ") => "a table with one key that names the kind".to_owned(),
-            None => other.to_owned(),
-        },
-    }
 }

@@ -1,18 +1,26 @@
 //! Scene files: the grammar as written, the resolved scene in SI units, and errors that point at the value.
 
 mod builtin_meshes;
+mod deserialize;
 mod document;
 mod grammar;
+mod material;
 mod resolve;
 mod resolved;
 mod runnable;
+mod source;
 mod write;
 
 pub(crate) use builtin_meshes::read as read_mesh_file;
-pub use document::{Document, Source};
-pub(crate) use grammar::short;
-pub use grammar::*;
+pub use document::Document;
+pub use grammar::{Format, OutlineName, SceneFile, Scheme, Side, Wall};
+pub use material::{Elastic, Material};
 pub use resolve::{LoadOptions, Quality};
-pub use resolved::*;
-pub(crate) use resolved::{describe_outside, outline, rotation, vector};
+pub use resolved::{
+    Body, Bounds, ContactLine, Domain, Expectation, Hysteresis, Liquid, Moved, Numerics, Outline, Output,
+    Rotation, Scene, ShapeSpec, Solid, SolidTension, Tensions, WALLS, Warning, Warnings, Wetting,
+    WettingImage,
+};
+pub(crate) use resolved::{outline, rotation, vector};
 pub use runnable::ensure_runnable;
+pub use source::Source;

@@ -1,7 +1,9 @@
 //! Refuses scenes that this version cannot run; nothing is ignored silently.
 
-use super::{Format, Material, Scene, Scheme, ShapeSpec};
 use crate::error::SceneError;
+use crate::file::grammar::{Format, Scheme};
+use crate::file::material::Material;
+use crate::file::resolved::{Scene, ShapeSpec};
 
 /// Checks that this version can run the scene.
 ///

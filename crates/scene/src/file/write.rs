@@ -1,7 +1,20 @@
 //! Writes a resolved scene as a scene file.
 
-use super::*;
 use crate::error::{ErrorKind, SceneError};
+use crate::file::grammar::{
+    Acceleration, Angle, AngleAtFile, AxisAngleFile, BallFile, BodyFile, BoxFile, CapsuleFile, CollisionFile,
+    ContactAngleFile, ContactLineFile, CowFile, CylinderFile, DeflectionFile, Density, DifferenceFile,
+    DomainFile, DropsFile, DynamicViscosity, Either, EllipsoidFile, ExpectFile, ExtrusionFile, Frequency,
+    FrequencyFile, GradientFile, HalfSpaceFile, HysteresisFile, KeyframeFile, KinematicViscosity, Length,
+    LiquidFile, MaxFile, MaxSpeedFile, MeshFile, MeshScale, MovedFile, Named, NumericsFile, OutputFile,
+    PatchFile, PeriodFile, PerturbedBallFile, PositionFile, ReachFile, RotationFile, SceneFile, ShapeFile,
+    SmoothUnionFile, SolidFile, SolidMeshFile, SolidTensionFile, Speed, Tension, TensionFile, Time,
+    WallsFile, WaveFile, WettedFile, WettingImageFile,
+};
+use crate::file::resolved::{
+    Body, ContactLine, Domain, Expectation, Hysteresis, Moved, Numerics, Outline, Rotation, Scene, ShapeSpec,
+    Solid, SolidTension, Tensions, Wetting, WettingImage,
+};
 
 impl Scene {
     /// The scene as run: SI, defaults and overrides filled in. Reading it again gives an identical scene.
@@ -181,50 +194,13 @@ fn outlined(s: &ShapeSpec) -> ShapeFile {
     }
 }
 
-fn elastic(e: &Elastic) -> ElasticFile {
-    ElasticFile {
-        young_modulus: Pressure(e.young_modulus),
-        poisson_ratio: e.poisson_ratio,
-        damping_ratio: e.damping_ratio,
-    }
-}
-
 fn solid(s: &Solid) -> SolidFile {
-    let material = match &s.material {
-        Material::Rigid { fixed } => MaterialFile::Rigid(RigidFile { fixed: *fixed }),
-        Material::Kinematic { velocity, angular_velocity, keyframes } => {
-            let has_velocity = keyframes.is_empty();
-            MaterialFile::Kinematic(KinematicFile {
-                velocity: has_velocity.then(|| speeds(velocity)),
-                angular_velocity: has_velocity
-                    .then(|| angular_velocity.iter().map(|&w| AngularVelocity(w)).collect()),
-                keyframes: (!has_velocity).then(|| keyframe_tables(keyframes)),
-            })
-        }
-        Material::Springs { stiffness, damping_ratio } => MaterialFile::Springs(SpringsFile {
-            stiffness: Tension(*stiffness),
-            damping_ratio: *damping_ratio,
-        }),
-        Material::NeoHookean(e) => MaterialFile::NeoHookean(elastic(e)),
-        Material::Corotated(e) => MaterialFile::Corotated(elastic(e)),
-        Material::Shell { elastic: e, thickness } => MaterialFile::Shell(ShellFile {
-            young_modulus: Pressure(e.young_modulus),
-            poisson_ratio: e.poisson_ratio,
-            thickness: Length::metres(*thickness),
-            damping_ratio: e.damping_ratio,
-        }),
-        Material::Rod { young_modulus, radius, damping_ratio } => MaterialFile::Rod(RodFile {
-            young_modulus: Pressure(*young_modulus),
-            radius: Length::metres(*radius),
-            damping_ratio: *damping_ratio,
-        }),
-    };
     SolidFile {
         name: s.name.clone(),
         density: s.density.map(Density),
         shape: shape(&s.shape),
         mesh: s.shape.volume_file().is_none().then(|| edge(s.mesh_edge)),
-        material,
+        material: s.material.to_file(),
         velocity: Some(speeds(&s.velocity)),
         collision: Some(CollisionFile { restitution: Some(s.restitution), friction: Some(s.friction) }),
         fixed: s.fixed.iter().map(shape).collect(),
@@ -236,17 +212,12 @@ fn edge(length: f64) -> SolidMeshFile {
     SolidMeshFile { edge: Some(Length::metres(length)) }
 }
 
-fn keyframe_tables(keyframes: &[(f64, Vec<f64>)]) -> Vec<KeyframeFile> {
-    let frame = |(t, x): &(f64, Vec<f64>)| KeyframeFile { time: Time(*t), translate: lengths(x) };
-    keyframes.iter().map(frame).collect()
-}
-
 fn moved(m: &Moved) -> MovedFile {
     let has_velocity = m.keyframes.is_empty();
     MovedFile {
         shape: shape(&m.shape),
         velocity: has_velocity.then(|| speeds(&m.velocity)),
-        keyframes: (!has_velocity).then(|| keyframe_tables(&m.keyframes)),
+        keyframes: (!has_velocity).then(|| KeyframeFile::list(&m.keyframes)),
     }
 }
 

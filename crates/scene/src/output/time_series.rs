@@ -67,12 +67,20 @@ fn force_columns(solid: &str) -> impl Iterator<Item = String> {
     ["x", "y", "z"].into_iter().map(move |axis| format!("force_{solid}_{axis}"))
 }
 
-/// A row: the state after a step, the step's report, and the measures of the named solids. Numbers round-trip bit for bit.
+/// What a row has from the run, not from its step alone.
+pub struct RunValues {
+    /// Relative momentum error at the end of the step.
+    pub momentum_error: f64,
+    /// Wall time of the run so far, s.
+    pub wall_seconds: f64,
+}
+
+/// A row: the state after a step, the step's report, what the run adds, and the measures of the named solids. Numbers round-trip bit for bit.
 pub fn row<const D: usize>(
     simulation: &Simulation<D>,
     report: &StepReport<D>,
     line: &ContactLine<D>,
-    (momentum_error, wall_seconds): (f64, f64),
+    run: &RunValues,
     measures: &SolidMeasures,
 ) -> String {
     let state = &simulation.state;
@@ -84,8 +92,8 @@ pub fn row<const D: usize>(
     put(&mut row, &padded_to_3d(&ledger.momentum));
     put_line(&mut row, line);
     put(&mut row, &[ledger.divergence_max]);
-    let _ = write!(row, ",{},{wall_seconds:.3}", report.iterations());
-    put(&mut row, &[ledger.volume_error, momentum_error]);
+    let _ = write!(row, ",{},{:.3}", report.iterations(), run.wall_seconds);
+    put(&mut row, &[ledger.volume_error, run.momentum_error]);
     put(&mut row, &ledger.angular_momentum);
     put(&mut row, &padded_to_3d(&ledger.centroid));
     let _ = write!(row, ",{}", state.components.len());

@@ -10,7 +10,7 @@ use crate::estimate::thin_liquid;
 use crate::job::{Job, RunStatistics, Stop};
 use crate::output::log::Log;
 use crate::output::summary::{FINISHED, Summary};
-use crate::output::time_series::{self, TimeSeriesWriter};
+use crate::output::time_series::{self, RunValues, TimeSeriesWriter};
 use crate::output::{FileError, Folder, SolidMeasures, atomic_file, frame};
 use crate::units::format_si;
 use meniscus_sim::{ContactLine, LineTracker, Simulation, StepReport};
@@ -277,8 +277,8 @@ impl<'a, const D: usize> Session<'a, D> {
 
     fn append_row(&mut self, report: &StepReport<D>, momentum_error: f64) -> Result<(), RunError> {
         self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
-        let told = (momentum_error, self.statistics.wall_seconds);
-        let row = time_series::row(&self.simulation, report, &self.contact_line, told, &self.measures);
+        let run = RunValues { momentum_error, wall_seconds: self.statistics.wall_seconds };
+        let row = time_series::row(&self.simulation, report, &self.contact_line, &run, &self.measures);
         Ok(self.series.append(&row)?)
     }
 

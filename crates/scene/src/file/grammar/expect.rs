@@ -1,6 +1,7 @@
 //! `[expect]`: what is checked at the end of a run.
 
-use crate::file::{Angle, Frequency, Length, RepairsFile, Speed, Time};
+use super::repairs::RepairsFile;
+use crate::file::grammar::{Angle, Either, Frequency, Length, Speed, Time};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -35,14 +36,14 @@ pub struct ExpectFile {
     pub frequency: Option<FrequencyFile>,
     /// Mean contact angle on solids at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
-    #[schemars(with = "crate::file::Either<ContactAngleFile, Vec<ContactAngleFile>>")]
+    #[schemars(with = "Either<ContactAngleFile, Vec<ContactAngleFile>>")]
     pub contact_angle: Vec<ContactAngleFile>,
     /// Number of drops, that is connected components of the liquid, at the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drops: Option<DropsFile>,
     /// Extent of the liquid towards sides of the domain at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
-    #[schemars(with = "crate::file::Either<ReachFile, Vec<ReachFile>>")]
+    #[schemars(with = "Either<ReachFile, Vec<ReachFile>>")]
     pub reach: Vec<ReachFile>,
     /// Solids that float at the end: partly wetted, by less than 98 % of their surface, and carried by the
     /// liquid alone.
@@ -53,15 +54,15 @@ pub struct ExpectFile {
     pub sinks: Vec<String>,
     /// Wetted fraction of solids at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
-    #[schemars(with = "crate::file::Either<WettedFile, Vec<WettedFile>>")]
+    #[schemars(with = "Either<WettedFile, Vec<WettedFile>>")]
     pub wetted: Vec<WettedFile>,
     /// Position of solids at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
-    #[schemars(with = "crate::file::Either<PositionFile, Vec<PositionFile>>")]
+    #[schemars(with = "Either<PositionFile, Vec<PositionFile>>")]
     pub position: Vec<PositionFile>,
     /// Deflection of deformable solids at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
-    #[schemars(with = "crate::file::Either<DeflectionFile, Vec<DeflectionFile>>")]
+    #[schemars(with = "Either<DeflectionFile, Vec<DeflectionFile>>")]
     pub deflection: Vec<DeflectionFile>,
 }
 

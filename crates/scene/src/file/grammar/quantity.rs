@@ -3,7 +3,7 @@
 use crate::units::{Dimension, Parsed, parse};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer, StrDeserializer};
-use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
+use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::borrow::Cow;
 use std::fmt;
@@ -327,75 +327,6 @@ impl<T: JsonSchema> JsonSchema for Named<T> {
 
     fn json_schema(g: &mut SchemaGenerator) -> Schema {
         json_schema!({ "type": "object", "additionalProperties": g.subschema_for::<T>() })
-    }
-}
-
-/// `[tension]`: `liquid_air` and one key per solid.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TensionFile {
-    /// Surface tension of the liquid, N/m.
-    pub liquid_air: Tension,
-    /// Wetting of the solids, by name.
-    pub solids: Vec<(String, crate::file::SolidTensionFile)>,
-}
-
-impl<'de> Deserialize<'de> for TensionFile {
-    fn deserialize<De: Deserializer<'de>>(d: De) -> Result<Self, De::Error> {
-        struct V;
-        impl<'de> Visitor<'de> for V {
-            type Value = TensionFile;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a table with `liquid_air` and one key per solid")
-            }
-
-            fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<TensionFile, M::Error> {
-                let mut liquid_air = None;
-                let mut solids = Vec::new();
-                while let Some(key) = map.next_key::<String>()? {
-                    if key == "liquid_air" {
-                        liquid_air = Some(map.next_value()?);
-                    } else {
-                        solids.push((key, map.next_value()?));
-                    }
-                }
-                let liquid_air = liquid_air.ok_or_else(|| M::Error::missing_field("liquid_air"))?;
-                Ok(TensionFile { liquid_air, solids })
-            }
-        }
-        d.deserialize_map(V)
-    }
-}
-
-impl Serialize for TensionFile {
-    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
-        use serde::ser::SerializeMap as _;
-        let mut map = s.serialize_map(Some(1 + self.solids.len()))?;
-        map.serialize_entry("liquid_air", &self.liquid_air)?;
-        for (name, value) in &self.solids {
-            map.serialize_entry(name, value)?;
-        }
-        map.end()
-    }
-}
-
-impl JsonSchema for TensionFile {
-    fn schema_name() -> Cow<'static, str> {
-        "Tensions".into()
-    }
-
-    fn json_schema(g: &mut SchemaGenerator) -> Schema {
-        let mut liquid_air = g.subschema_for::<Tension>();
-        liquid_air.insert("description".into(), "Surface tension of the liquid, above 0.".into());
-        let mut solid = g.subschema_for::<crate::file::SolidTensionFile>();
-        solid.insert("description".into(), "Wetting of a solid; contact angle 90 degrees by default.".into());
-        json_schema!({
-            "description": "`[tension]`: surface tension of the liquid, and wetting of the solids.",
-            "type": "object",
-            "properties": { "liquid_air": liquid_air },
-            "required": ["liquid_air"],
-            "additionalProperties": solid,
-        })
     }
 }
 

@@ -2,7 +2,10 @@
 //!
 //! Only externally tagged enums and `deny_unknown_fields`, so that every error points at the exact value.
 
-use super::*;
+use crate::file::grammar::{
+    Acceleration, Angle, ContactLineFile, Density, DynamicViscosity, ExpectFile, KinematicViscosity, Length,
+    ShapeFile, SolidFile, Speed, TensionFile, Time,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

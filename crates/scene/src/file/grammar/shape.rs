@@ -1,6 +1,6 @@
 //! Shapes as written in a scene file.
 
-use crate::file::{Angle, Either, Length, MeshScale};
+use crate::file::grammar::{Angle, Either, Length, MeshScale};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,9 @@
 //! Defaults and checks of `[expect]`: what is checked at the end of a run.
 
-use super::scene::Resolver;
+use super::resolver::Resolver;
 use crate::error::SceneError;
-use crate::file::*;
+use crate::file::grammar::{Angle, ExpectFile, Length, MaxFile, Side};
+use crate::file::resolved::Expectation;
 
 impl Resolver {
     /// The expectations. `names`: all solids; `angles`: solids and walls with a contact angle, with Young's angle (rad); `soft`:

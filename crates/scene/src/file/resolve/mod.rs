@@ -2,9 +2,11 @@
 
 mod expectation;
 mod repairs;
+mod resolver;
 mod scene;
 mod shape;
 mod solid;
 mod wetting;
 
+pub(super) use resolver::Resolver;
 pub use scene::{LoadOptions, Quality};

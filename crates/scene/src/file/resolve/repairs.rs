@@ -1,8 +1,9 @@
 //! Resolves bounds of repairs.
 
-use super::scene::Resolver;
+use super::resolver::Resolver;
 use crate::error::SceneError;
-use crate::file::{ExpectFile, Expectation, RepairsFile};
+use crate::file::grammar::{ExpectFile, RepairsFile};
+use crate::file::resolved::Expectation;
 
 impl Resolver {
     /// Appends the bounds of repairs to `out`.

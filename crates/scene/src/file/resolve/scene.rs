@@ -1,9 +1,18 @@
 //! Resolves a scene file to a scene: defaults, grid, SI units, checks. Errors point at the value.
 
+use super::resolver::Resolver;
 use crate::error::SceneError;
-use crate::file::*;
-use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::{Path, PathBuf};
+use crate::file::document::Document;
+use crate::file::grammar::{
+    Angle, DomainFile, Format, LiquidFile, NumericsFile, OutputFile, SceneFile, Time, Wall, WallsFile, short,
+};
+use crate::file::resolved::{
+    Body, Bounds, ContactLine, Domain, Liquid, Numerics, Output, Scene, ShapeSpec, Tensions, WALLS, Warnings,
+    Wetting,
+};
+use crate::file::source::Source;
+use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
 
 /// Largest number of cells along a side.
 const MAX_CELLS: u32 = 16_384;
@@ -53,16 +62,6 @@ impl Scene {
         let (file, source) = document.read()?;
         resolve(file, source, base, options.quality)
     }
-}
-
-/// State of the resolution of a scene.
-pub(super) struct Resolver {
-    pub source: Source,
-    pub base: PathBuf,
-    pub dim: usize,
-    pub dx: f64,
-    pub size: Vec<f64>,
-    pub warnings: Vec<Warning>,
 }
 
 fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Result<Scene, SceneError> {
@@ -123,83 +122,6 @@ fn young_angles<'a>(
 }
 
 impl Resolver {
-    pub fn error(&self, path: &str, message: impl Into<String>, help: impl Into<String>) -> SceneError {
-        self.source.at_value(SceneError::new(message).with_help(help), path)
-    }
-
-    pub fn warn(&mut self, path: &str, message: impl Into<String>) {
-        self.warnings.push(Warning { path: path.to_owned(), message: message.into() });
-    }
-
-    /// Refuses a name that is not safe as a file name.
-    pub fn check_file_name(&self, path: &str, name: &str) -> Result<(), SceneError> {
-        let fine = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-        if name.is_empty() || name.len() > 100 || name.starts_with('.') || !name.chars().all(fine) {
-            let message = format!("the name `{}` cannot be used as a file name", name.escape_debug());
-            let help = "use at most 100 characters: letters, digits, `-`, `_` and, except at the start, `.`";
-            return Err(self.error(path, message, help));
-        }
-        Ok(())
-    }
-
-    pub fn positive(&self, path: &str, what: &str, value: f64) -> Result<f64, SceneError> {
-        if value > 0.0 && value.is_finite() {
-            return Ok(value);
-        }
-        let message = format!("{what} must be above zero, not {value}");
-        Err(self.error(path, message, "give a value above zero"))
-    }
-
-    pub fn not_negative(&self, path: &str, what: &str, value: f64) -> Result<f64, SceneError> {
-        if value >= 0.0 && value.is_finite() {
-            return Ok(value);
-        }
-        Err(self.error(path, format!("{what} must not be negative: {value}"), "give zero or more"))
-    }
-
-    pub fn within(&self, path: &str, what: &str, value: f64, low: f64, high: f64) -> Result<f64, SceneError> {
-        if value >= low && value <= high {
-            return Ok(value);
-        }
-        let help = format!("accepted: {low} to {high}");
-        Err(self.error(path, format!("{what} is {value}, out of range"), help))
-    }
-
-    /// A contact angle, rad.
-    pub fn angle(&self, path: &str, angle: Angle) -> Result<f64, SceneError> {
-        if (0.0..=PI).contains(&angle.0) {
-            return Ok(angle.0);
-        }
-        let message = format!("a contact angle of {} deg is out of range", short(angle.0.to_degrees()));
-        Err(self.error(path, message, "accepted: \"0 deg\" to \"180 deg\", through the liquid"))
-    }
-
-    /// A length above zero.
-    pub fn positive_length(&self, path: &str, what: &str, value: Length) -> Result<f64, SceneError> {
-        self.positive(path, what, value.resolve(self.dx))
-    }
-
-    /// Checks the number of entries of a vector.
-    pub fn check_dimension(&self, path: &str, found: usize) -> Result<(), SceneError> {
-        if found == self.dim {
-            return Ok(());
-        }
-        let message = format!("found {found} entries, but the scene has {} dimensions", self.dim);
-        Err(self.error(path, message, format!("give {} entries", self.dim)))
-    }
-
-    /// A point or displacement, m.
-    pub fn point(&self, path: &str, value: &[Length]) -> Result<Vec<f64>, SceneError> {
-        self.check_dimension(path, value.len())?;
-        Ok(value.iter().map(|l| l.resolve(self.dx)).collect())
-    }
-
-    pub fn velocity(&self, path: &str, value: Option<&Vec<Speed>>) -> Result<Vec<f64>, SceneError> {
-        let Some(v) = value else { return Ok(vec![0.0; self.dim]) };
-        self.check_dimension(path, v.len())?;
-        Ok(v.iter().map(|s| s.0).collect())
-    }
-
     fn domain(&mut self, d: &DomainFile, quality: Quality) -> Result<Domain, SceneError> {
         if !(2..=3).contains(&d.dimension) {
             let message = format!("a domain of {} dimensions cannot be simulated", d.dimension);
@@ -350,7 +272,7 @@ impl Resolver {
     /// Refuses a body outside the domain. Walls may cut a body; a cut round shape gets a warning, since boxes, cylinders and the
     /// like are often extended beyond walls on purpose.
     fn check_liquid_inside(&mut self, path: &str, shape: &ShapeSpec) -> Result<(), SceneError> {
-        let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
+        let Some(Bounds { lower, upper }) = shape.bounds(self.dim) else { return Ok(()) };
         let mut cut = false;
         for i in 0..self.dim {
             if upper[i] <= 0.0 || lower[i] >= self.size[i] {

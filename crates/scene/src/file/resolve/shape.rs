@@ -1,9 +1,13 @@
 //! Resolves shapes to SI units.
 
-use super::scene::Resolver;
+use super::resolver::Resolver;
 use crate::error::SceneError;
 use crate::file::builtin_meshes;
-use crate::file::*;
+use crate::file::grammar::{
+    BoxFile, CylinderFile, Either, EllipsoidFile, ExtrusionFile, Length, MeshFile, PerturbedBallFile,
+    RotationFile, ShapeFile, SmoothUnionFile, WaveFile,
+};
+use crate::file::resolved::{Outline, Rotation, ShapeSpec, VOLUME_EXTENSIONS};
 use std::path::{Path, PathBuf};
 
 impl Resolver {
@@ -25,16 +29,7 @@ impl Resolver {
                     normal: self.direction(&format!("{p}.normal"), &h.normal, self.dim)?,
                 }
             }
-            ShapeFile::Cylinder(c) => {
-                let p = at("cylinder");
-                self.only_3d(&p, "cylinder", "capsule, box, ball")?;
-                ShapeSpec::Cylinder {
-                    center: self.point(&format!("{p}.center"), &c.center)?,
-                    axis: self.direction(&format!("{p}.axis"), &c.axis, 3)?,
-                    radius: self.positive_length(&format!("{p}.radius"), "the radius", c.radius)?,
-                    height: self.positive_length(&format!("{p}.height"), "the height", c.height)?,
-                }
-            }
+            ShapeFile::Cylinder(c) => self.cylinder(&at("cylinder"), c)?,
             ShapeFile::Capsule(c) => {
                 let p = at("capsule");
                 ShapeSpec::Capsule {
@@ -43,14 +38,7 @@ impl Resolver {
                     radius: self.positive_length(&format!("{p}.radius"), "the radius", c.radius)?,
                 }
             }
-            ShapeFile::Ellipsoid(e) => {
-                let p = at("ellipsoid");
-                ShapeSpec::Ellipsoid {
-                    center: self.point(&format!("{p}.center"), &e.center)?,
-                    radii: self.sizes(&format!("{p}.radii"), "a radius", &e.radii)?,
-                    rotation: self.rotation(&format!("{p}.rotation"), e.rotation.as_ref())?,
-                }
-            }
+            ShapeFile::Ellipsoid(e) => self.ellipsoid(&at("ellipsoid"), e)?,
             ShapeFile::PerturbedBall(b) => self.perturbed_ball(&at("perturbed_ball"), b)?,
             ShapeFile::Wave(w) => self.wave(&at("wave"), w)?,
             ShapeFile::Extrusion(e) => self.extrusion(&at("extrusion"), e)?,
@@ -75,15 +63,31 @@ impl Resolver {
         })
     }
 
+    fn cylinder(&self, path: &str, c: &CylinderFile) -> Result<ShapeSpec, SceneError> {
+        self.only_3d(path, "cylinder", "capsule, box, ball")?;
+        Ok(ShapeSpec::Cylinder {
+            center: self.point(&format!("{path}.center"), &c.center)?,
+            axis: self.direction(&format!("{path}.axis"), &c.axis, 3)?,
+            radius: self.positive_length(&format!("{path}.radius"), "the radius", c.radius)?,
+            height: self.positive_length(&format!("{path}.height"), "the height", c.height)?,
+        })
+    }
+
+    fn ellipsoid(&self, path: &str, e: &EllipsoidFile) -> Result<ShapeSpec, SceneError> {
+        Ok(ShapeSpec::Ellipsoid {
+            center: self.point(&format!("{path}.center"), &e.center)?,
+            radii: self.sizes(&format!("{path}.radii"), "a radius", &e.radii)?,
+            rotation: self.rotation(&format!("{path}.rotation"), e.rotation.as_ref())?,
+        })
+    }
+
     fn smooth_union(&mut self, path: &str, u: &SmoothUnionFile) -> Result<ShapeSpec, SceneError> {
         let width = self.positive_length(&format!("{path}.width"), "the width of the fillets", u.width)?;
         let at = format!("{path}.parts");
         let ShapeSpec::Union(parts) = self.union(&at, &u.parts)? else {
             return Err(self.error(&at, "the union contains no shape", "list at least one shape"));
         };
-        let endless = |s: &ShapeSpec| {
-            s.bounds(self.dim).is_some_and(|(l, u)| l.iter().chain(&u).any(|x| !x.is_finite()))
-        };
+        let endless = |s: &ShapeSpec| s.bounds(self.dim).is_some_and(|bounds| !bounds.is_finite());
         if let Some(i) = parts.iter().position(endless) {
             let help = "use ball, box, capsule, ellipsoid, cylinder, extrusion, cow or mesh, or `union` in place of `smooth_union`";
             return Err(self.error(&format!("{at}.{i}"), "this part of the smooth union is unbounded", help));

@@ -1,8 +1,12 @@
 //! Resolves solids and the contact line to SI units.
 
-use super::scene::Resolver;
+use super::resolver::Resolver;
 use crate::error::{SceneError, nearest};
-use crate::file::*;
+use crate::file::grammar::{
+    CollisionFile, ContactLineFile, Either, KeyframeFile, MovedFile, SolidFile, short,
+};
+use crate::file::material::Material;
+use crate::file::resolved::{Bounds, ContactLine, Moved, ShapeSpec, Solid};
 
 /// Speed of sound in air, m/s.
 const SPEED_OF_SOUND: f64 = 343.0;
@@ -13,36 +17,12 @@ impl Resolver {
         for (i, s) in files.iter().enumerate() {
             let path = format!("solid.{i}");
             let at = |key: &str| format!("{path}.{key}");
-            self.check_file_name(&at("name"), &s.name)?;
-            if s.name == "liquid_air" {
-                let help = "choose another name: `tension.liquid_air` is the tension of the liquid's surface";
-                return Err(self.error(&at("name"), "a solid cannot be called `liquid_air`", help));
-            }
-            if let Some(first) = out.iter().position(|o| o.name == s.name) {
-                let message = format!("two solids are called `{}`", s.name);
-                let help =
-                    format!("solid {first} (counted from 0) already has this name: rename one of them");
-                return Err(self.error(&at("name"), message, help));
-            }
+            self.check_solid_name(&at("name"), &s.name, &out)?;
             let shape = self.shape(&at("shape"), &s.shape)?;
             self.check_solid_inside(&at("shape"), &shape, &s.name)?;
             let material = self.material(&at("material"), &s.material)?;
-            let is_prescribed =
-                matches!(material, Material::Rigid { fixed: true } | Material::Kinematic { .. });
-            let density = s.density.map(|d| self.positive(&at("density"), "the density", d.0)).transpose()?;
-            if density.is_none() && !is_prescribed {
-                let message = format!("the density of `{}` is missing", s.name);
-                return Err(self.error(&path, message, "add `density = \"2.5 g/cm^3\"`"));
-            }
-            let mesh_edge = match s.mesh.as_ref().and_then(|m| m.edge) {
-                Some(_) if shape.volume_file().is_some() => {
-                    let help = "remove `mesh`, or give a closed surface (.obj, .ply, .stl) to be filled with elements";
-                    let message = "the elements of this solid come from its mesh file: `edge` has no effect";
-                    return Err(self.error(&at("mesh.edge"), message, help));
-                }
-                Some(e) => self.positive_length(&at("mesh.edge"), "the edge length", e)?,
-                None => self.dx / 1.5,
-            };
+            let density = self.density(&path, s, &material)?;
+            let mesh_edge = self.mesh_edge(&at("mesh.edge"), s, &shape)?;
             if material.deforms() {
                 self.check_meshable(&path, &shape, mesh_edge, &s.name)?;
             }
@@ -53,9 +33,8 @@ impl Resolver {
             let moved = self.prescribed_parts(&at("moved"), &s.moved)?;
             let velocity = self.velocity(&at("velocity"), s.velocity.as_ref())?;
             let (restitution, friction) = self.collision(&at("collision"), s.collision.as_ref())?;
-            let name = s.name.clone();
             out.push(Solid {
-                name,
+                name: s.name.clone(),
                 density,
                 shape,
                 mesh_edge,
@@ -70,6 +49,48 @@ impl Resolver {
         Ok(out)
     }
 
+    /// Refuses a name that is not safe as a file name, has a meaning of its own, or is that of one of the solids `before`.
+    fn check_solid_name(&self, path: &str, name: &str, before: &[Solid]) -> Result<(), SceneError> {
+        self.check_file_name(path, name)?;
+        if name == "liquid_air" {
+            let help = "choose another name: `tension.liquid_air` is the tension of the liquid's surface";
+            return Err(self.error(path, "a solid cannot be called `liquid_air`", help));
+        }
+        if let Some(first) = before.iter().position(|o| o.name == name) {
+            let message = format!("two solids are called `{name}`");
+            let help = format!("solid {first} (counted from 0) already has this name: rename one of them");
+            return Err(self.error(path, message, help));
+        }
+        Ok(())
+    }
+
+    /// The density, kg/m³. Only a solid that forces do not move may have none.
+    fn density(&self, path: &str, s: &SolidFile, material: &Material) -> Result<Option<f64>, SceneError> {
+        let is_prescribed = matches!(material, Material::Rigid { fixed: true } | Material::Kinematic { .. });
+        match s.density {
+            Some(d) => self.positive(&format!("{path}.density"), "the density", d.0).map(Some),
+            None if is_prescribed => Ok(None),
+            None => {
+                let message = format!("the density of `{}` is missing", s.name);
+                Err(self.error(path, message, "add `density = \"2.5 g/cm^3\"`"))
+            }
+        }
+    }
+
+    /// The edge length of the mesh, m.
+    fn mesh_edge(&self, path: &str, s: &SolidFile, shape: &ShapeSpec) -> Result<f64, SceneError> {
+        match s.mesh.as_ref().and_then(|m| m.edge) {
+            Some(_) if shape.volume_file().is_some() => {
+                let help =
+                    "remove `mesh`, or give a closed surface (.obj, .ply, .stl) to be filled with elements";
+                let message = "the elements of this solid come from its mesh file: `edge` has no effect";
+                Err(self.error(path, message, help))
+            }
+            Some(e) => self.positive_length(path, "the edge length", e),
+            None => Ok(self.dx / 1.5),
+        }
+    }
+
     /// Restitution and friction coefficients.
     fn collision(&self, path: &str, c: Option<&CollisionFile>) -> Result<(f64, f64), SceneError> {
         let restitution = c.and_then(|c| c.restitution).unwrap_or(meniscus_sim::DEFAULT_RESTITUTION);
@@ -82,7 +103,7 @@ impl Resolver {
 
     fn check_solid_inside(&self, path: &str, shape: &ShapeSpec, name: &str) -> Result<(), SceneError> {
         let Some(bounds) = shape.bounds(self.dim) else { return Ok(()) };
-        match crate::file::describe_outside(&bounds, &self.size, 1e-6 * self.dx) {
+        match bounds.describe_outside(&self.size, 1e-6 * self.dx) {
             Some((reach, help)) => {
                 let message = format!("the solid `{name}` extends outside the domain: it {reach}");
                 Err(self.error(&self.source.first_inside(path), message, help))
@@ -99,7 +120,7 @@ impl Resolver {
         edge: f64,
         name: &str,
     ) -> Result<(), SceneError> {
-        let Some((lower, upper)) = shape.bounds(self.dim) else { return Ok(()) };
+        let Some(Bounds { lower, upper }) = shape.bounds(self.dim) else { return Ok(()) };
         let sides: Vec<f64> = lower.iter().zip(&upper).map(|(l, u)| u - l).collect();
         if sides.iter().any(|side| !side.is_finite()) {
             let message = format!("the deformable solid `{name}` is unbounded: it cannot be meshed");
@@ -120,99 +141,6 @@ impl Resolver {
             self.warn(&at, message);
         }
         Ok(())
-    }
-
-    fn elastic(
-        &self,
-        path: &str,
-        young: Pressure,
-        poisson: f64,
-        damping: f64,
-    ) -> Result<Elastic, SceneError> {
-        let at = |key: &str| format!("{path}.{key}");
-        Ok(Elastic {
-            young_modulus: self.positive(&at("young_modulus"), "the Young modulus", young.0)?,
-            poisson_ratio: self.poisson(&at("poisson_ratio"), poisson)?,
-            damping_ratio: self.within(&at("damping_ratio"), "the damping ratio", damping, 0.0, 100.0)?,
-        })
-    }
-
-    fn poisson(&self, path: &str, ratio: f64) -> Result<f64, SceneError> {
-        if ratio >= 0.5 {
-            let message = format!(
-                "the Poisson ratio is {ratio}, but must be below 0.5, the limit of incompressibility"
-            );
-            return Err(self.error(
-                path,
-                message,
-                "accepted: -0.99 to 0.499; rubber and gels have 0.45 to 0.49",
-            ));
-        }
-        self.within(path, "the Poisson ratio", ratio, -0.99, 0.499)
-    }
-
-    fn material(&self, path: &str, m: &MaterialFile) -> Result<Material, SceneError> {
-        let at = |key: &str| format!("{path}.{key}");
-        let damping = |p: String, v: f64| self.within(&p, "the damping ratio", v, 0.0, 100.0);
-        Ok(match m {
-            MaterialFile::Rigid(r) => Material::Rigid { fixed: r.fixed },
-            MaterialFile::Kinematic(k) => self.kinematic(&at("kinematic"), k)?,
-            MaterialFile::Springs(s) => Material::Springs {
-                stiffness: self.positive(&at("springs.stiffness"), "the stiffness", s.stiffness.0)?,
-                damping_ratio: damping(at("springs.damping_ratio"), s.damping_ratio)?,
-            },
-            MaterialFile::NeoHookean(e) => Material::NeoHookean(self.elastic(
-                &at("neo_hookean"),
-                e.young_modulus,
-                e.poisson_ratio,
-                e.damping_ratio,
-            )?),
-            MaterialFile::Corotated(e) => Material::Corotated(self.elastic(
-                &at("corotated"),
-                e.young_modulus,
-                e.poisson_ratio,
-                e.damping_ratio,
-            )?),
-            MaterialFile::Shell(s) => Material::Shell {
-                elastic: self.elastic(&at("shell"), s.young_modulus, s.poisson_ratio, s.damping_ratio)?,
-                thickness: self.positive_length(&at("shell.thickness"), "the thickness", s.thickness)?,
-            },
-            MaterialFile::Rod(s) => Material::Rod {
-                young_modulus: self.positive(
-                    &at("rod.young_modulus"),
-                    "the Young modulus",
-                    s.young_modulus.0,
-                )?,
-                radius: self.positive_length(&at("rod.radius"), "the radius", s.radius)?,
-                damping_ratio: damping(at("rod.damping_ratio"), s.damping_ratio)?,
-            },
-        })
-    }
-
-    fn kinematic(&self, path: &str, k: &KinematicFile) -> Result<Material, SceneError> {
-        let rotation_components = if self.dim == 2 { 1 } else { 3 };
-        let angular: Vec<f64> = k
-            .angular_velocity
-            .as_ref()
-            .map_or(vec![0.0; rotation_components], |w| w.iter().map(|x| x.0).collect());
-        if angular.len() != rotation_components {
-            let message = format!("found {} entries in the angular velocity", angular.len());
-            return Err(self.error(
-                &format!("{path}.angular_velocity"),
-                message,
-                format!("give {rotation_components} in a scene of {} dimensions", self.dim),
-            ));
-        }
-        let keyframes = self.keyframes(path, k.keyframes.as_deref())?;
-        if !keyframes.is_empty() && (k.velocity.is_some() || k.angular_velocity.is_some()) {
-            return Err(self.error(path, "both a velocity and keyframes are given", "remove one of them"));
-        }
-        let velocity = self.velocity(&format!("{path}.velocity"), k.velocity.as_ref())?;
-        self.check_prescribed_speed(
-            &format!("{path}.velocity"),
-            velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
-        )?;
-        Ok(Material::Kinematic { velocity, angular_velocity: angular, keyframes })
     }
 
     /// Parts with prescribed motion.
@@ -253,7 +181,7 @@ impl Resolver {
     }
 
     /// Keyframes as times, s, and displacements, m.
-    fn keyframes(
+    pub fn keyframes(
         &self,
         path: &str,
         files: Option<&[KeyframeFile]>,
@@ -276,14 +204,12 @@ impl Resolver {
     }
 
     /// Refuses a prescribed speed above the speed of sound in air (m/s): liquids are not incompressible there.
-    fn check_prescribed_speed(&self, path: &str, speed: f64) -> Result<(), SceneError> {
+    pub fn check_prescribed_speed(&self, path: &str, speed: f64) -> Result<(), SceneError> {
         if speed <= SPEED_OF_SOUND {
             return Ok(());
         }
-        let message = format!(
-            "the prescribed speed of {} m/s is above the speed of sound in air",
-            crate::file::short(speed)
-        );
+        let message =
+            format!("the prescribed speed of {} m/s is above the speed of sound in air", short(speed));
         Err(self.error(
             &self.source.first_inside(path),
             message,

@@ -1,8 +1,14 @@
 //! Resolves tensions, patterns of the contact angle and hysteresis to SI units.
 
-use super::scene::Resolver;
+use super::resolver::Resolver;
 use crate::error::SceneError;
-use crate::file::*;
+use crate::file::grammar::{
+    Angle, AngleAtFile, HysteresisFile, Length, PatchFile, SolidTensionFile, TensionFile, WettingImageFile,
+};
+use crate::file::resolved::{
+    Bounds, ContactLine, Domain, Hysteresis, ShapeSpec, Solid, SolidTension, Tensions, WALLS, Wetting,
+    WettingImage,
+};
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
@@ -116,7 +122,7 @@ impl Resolver {
     fn are_bounds_apart(&self, one: &Bounds, other: &Bounds) -> bool {
         let slack = 1e-6 * self.dx;
         let along = |(low, high): (&f64, &f64)| low > &(high + slack);
-        one.0.iter().zip(&other.1).any(along) || other.0.iter().zip(&one.1).any(along)
+        one.lower.iter().zip(&other.upper).any(along) || other.lower.iter().zip(&one.upper).any(along)
     }
 
     /// `bounds`: bounds of the solid.
@@ -145,12 +151,14 @@ impl Resolver {
                 return Err(self.error(&at(&format!("upper.{a}")), message, help));
             }
         }
-        if bounds.is_some_and(|solid| self.are_bounds_apart(solid, &(lower.clone(), upper.clone()))) {
+        let own = Bounds { lower, upper };
+        if bounds.is_some_and(|solid| self.are_bounds_apart(solid, &own)) {
             let help = "place the image on the solid as it is at the start";
             return Err(self.error(&at("lower"), "the image does not reach the solid", help));
         }
         let black = self.angle(&at("black"), i.black)?;
         let white = self.angle(&at("white"), i.white)?;
+        let Bounds { lower, upper } = own;
         Ok(WettingImage { path: file, lower, upper, black, white })
     }
 

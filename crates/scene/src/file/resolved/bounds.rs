@@ -1,27 +1,54 @@
 //! Geometry of shapes: bounds, point containment, typical radius.
 
-use crate::file::{Rotation, ShapeSpec, short};
+use super::shape::{Rotation, ShapeSpec};
+use crate::file::grammar::short;
 use meniscus_numerics::shape::SmoothUnion;
 use std::f64::consts::PI;
 
-/// Lower and upper corner, m; infinite where the shape is unbounded.
-pub type Bounds = (Vec<f64>, Vec<f64>);
+/// The box around a shape; infinite where the shape is unbounded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lower corner, m.
+    pub lower: Vec<f64>,
+    /// Upper corner, m.
+    pub upper: Vec<f64>,
+}
 
-/// Describes bounds that leave the domain: their extent and that of the domain. Unbounded directions may leave it.
-pub(crate) fn describe_outside(
-    (lower, upper): &Bounds,
-    size: &[f64],
-    slack: f64,
-) -> Option<(String, String)> {
-    let leaves = |i: &usize| {
-        let low = lower[*i].is_finite() && lower[*i] < -slack;
-        let high = upper[*i].is_finite() && upper[*i] > size[*i] + slack;
-        low || high || upper[*i] <= 0.0 || lower[*i] >= size[*i]
-    };
-    let i = (0..size.len()).find(leaves)?;
-    let (axis, [low, high, end]) = (["x", "y", "z"][i], [lower[i], upper[i], size[i]].map(short));
-    let reach = format!("reaches from {axis} = {low} m to {high} m");
-    Some((reach, format!("the domain reaches from {axis} = 0 m to {end} m")))
+impl Bounds {
+    /// The box that extends by `reach`, m, from its centre, m, to either side along each axis.
+    fn around(center: &[f64], reach: &[f64]) -> Self {
+        Self {
+            lower: center.iter().zip(reach).map(|(c, r)| c - r).collect(),
+            upper: center.iter().zip(reach).map(|(c, r)| c + r).collect(),
+        }
+    }
+
+    /// The box around this one and another one.
+    fn joined(self, other: &Self) -> Self {
+        Self {
+            lower: self.lower.iter().zip(&other.lower).map(|(a, b)| a.min(*b)).collect(),
+            upper: self.upper.iter().zip(&other.upper).map(|(a, b)| a.max(*b)).collect(),
+        }
+    }
+
+    /// Whether the shape is bounded along every axis.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.lower.iter().chain(&self.upper).all(|x| x.is_finite())
+    }
+
+    /// Describes bounds that leave the domain: their extent and that of the domain. Unbounded directions may leave it.
+    pub(crate) fn describe_outside(&self, size: &[f64], slack: f64) -> Option<(String, String)> {
+        let Self { lower, upper } = self;
+        let leaves = |i: &usize| {
+            let low = lower[*i].is_finite() && lower[*i] < -slack;
+            let high = upper[*i].is_finite() && upper[*i] > size[*i] + slack;
+            low || high || upper[*i] <= 0.0 || lower[*i] >= size[*i]
+        };
+        let i = (0..size.len()).find(leaves)?;
+        let (axis, [low, high, end]) = (["x", "y", "z"][i], [lower[i], upper[i], size[i]].map(short));
+        let reach = format!("reaches from {axis} = {low} m to {high} m");
+        Some((reach, format!("the domain reaches from {axis} = 0 m to {end} m")))
+    }
 }
 
 impl ShapeSpec {
@@ -37,72 +64,49 @@ impl ShapeSpec {
 
     /// A bounding box of the shape in `dim` dimensions; `None` for a mesh, whose file is not read here.
     pub fn bounds(&self, dim: usize) -> Option<Bounds> {
-        let around = |center: &[f64], reach: &[f64]| {
-            let lower = center.iter().zip(reach).map(|(c, r)| c - r).collect();
-            let upper = center.iter().zip(reach).map(|(c, r)| c + r).collect();
-            Some((lower, upper))
-        };
-        match self {
-            Self::Ball { center, radius } => around(center, &vec![*radius; dim]),
+        Some(match self {
+            Self::Ball { center, radius } => Bounds::around(center, &vec![*radius; dim]),
             Self::PerturbedBall { center, radius, amplitude, .. } => {
-                around(center, &vec![radius * (1.0 + amplitude.abs()); dim])
+                Bounds::around(center, &vec![radius * (1.0 + amplitude.abs()); dim])
             }
             Self::Box { center, half_size, rotation } => {
-                let m = rotation.matrix();
-                let reach: Vec<f64> =
-                    (0..dim).map(|i| (0..dim).map(|j| m[i][j].abs() * half_size[j]).sum()).collect();
-                if rotation.angle == 0.0 { around(center, half_size) } else { around(center, &reach) }
+                Bounds::around(center, &box_reach(half_size, rotation))
             }
             Self::Ellipsoid { center, radii, rotation } => {
-                let m = rotation.matrix();
-                let reach = |i: usize| (0..dim).map(|j| (m[i][j] * radii[j]).powi(2)).sum::<f64>().sqrt();
-                if rotation.angle == 0.0 {
-                    around(center, radii)
-                } else {
-                    around(center, &(0..dim).map(reach).collect::<Vec<f64>>())
-                }
+                Bounds::around(center, &ellipsoid_reach(radii, rotation))
             }
             Self::Cylinder { center, axis, radius, height } => {
-                let reach: Vec<f64> = axis
-                    .iter()
-                    .map(|a| 0.5 * height * a.abs() + radius * (1.0 - a * a).max(0.0).sqrt())
-                    .collect();
-                around(center, &reach)
+                let along = |a: &f64| 0.5 * height * a.abs() + radius * (1.0 - a * a).max(0.0).sqrt();
+                Bounds::around(center, &axis.iter().map(along).collect::<Vec<f64>>())
             }
             Self::Capsule { a, b, radius } => {
-                let lower = a.iter().zip(b).map(|(a, b)| a.min(*b) - radius).collect();
-                let upper = a.iter().zip(b).map(|(a, b)| a.max(*b) + radius).collect();
-                Some((lower, upper))
+                let reach = vec![*radius; dim];
+                Bounds::around(a, &reach).joined(&Bounds::around(b, &reach))
             }
-            Self::HalfSpace { point, normal } => Some(half_space_bounds(point, normal)),
+            Self::HalfSpace { point, normal } => half_space_bounds(point, normal),
             Self::Wave { level, amplitude, .. } => {
                 let mut upper = vec![f64::INFINITY; dim];
                 upper[dim - 1] = level + amplitude;
-                Some((vec![f64::NEG_INFINITY; dim], upper))
+                Bounds { lower: vec![f64::NEG_INFINITY; dim], upper }
             }
             Self::Extrusion { outline, thickness, center, rotation } => {
                 let (lower, upper) = super::geometry::outline(outline).ok()?.surface().bounds();
                 let (middle, half) = ((lower + upper) * 0.5, (upper - lower) * 0.5);
                 let half = [half[0], half[1], 0.5 * thickness];
-                Some(rotated_box_bounds(center, &[middle[0], middle[1], 0.0], &half, rotation))
+                rotated_box_bounds(center, &[middle[0], middle[1], 0.0], &half, rotation)
             }
-            Self::Cow { at, length, rotation } => Some(match dim {
+            Self::Cow { at, length, rotation } => match dim {
                 2 => cow_bounds::<2>(at, *length, rotation),
                 _ => cow_bounds::<3>(at, *length, rotation),
-            }),
+            },
             Self::Union(list) | Self::SmoothUnion { parts: list, .. } => {
                 let mut parts = list.iter().map(|s| s.bounds(dim));
                 let first = parts.next()??;
-                parts.try_fold(first, |(lower, upper), next| {
-                    let (l, u) = next?;
-                    let lower = lower.iter().zip(&l).map(|(a, b)| a.min(*b)).collect();
-                    let upper = upper.iter().zip(&u).map(|(a, b)| a.max(*b)).collect();
-                    Some((lower, upper))
-                })
+                parts.try_fold(first, |all, part| Some(all.joined(&part?)))?
             }
-            Self::Difference { of, .. } => of.bounds(dim),
-            Self::Mesh { .. } => None,
-        }
+            Self::Difference { of, .. } => of.bounds(dim)?,
+            Self::Mesh { .. } => return None,
+        })
     }
 
     /// Whether a point is inside; `None` where this needs a numerical shape.
@@ -177,6 +181,26 @@ impl ShapeSpec {
     }
 }
 
+/// Half the extent, m, of a box of half sizes `half_size`, m, along each axis.
+fn box_reach(half_size: &[f64], rotation: &Rotation) -> Vec<f64> {
+    if rotation.angle == 0.0 {
+        return half_size.to_vec();
+    }
+    let m = rotation.matrix();
+    let along = |i: usize| (0..half_size.len()).map(|j| m[i][j].abs() * half_size[j]).sum();
+    (0..half_size.len()).map(along).collect()
+}
+
+/// Half the extent, m, of an ellipsoid of half axes `radii`, m, along each axis.
+fn ellipsoid_reach(radii: &[f64], rotation: &Rotation) -> Vec<f64> {
+    if rotation.angle == 0.0 {
+        return radii.to_vec();
+    }
+    let m = rotation.matrix();
+    let along = |i: usize| (0..radii.len()).map(|j| (m[i][j] * radii[j]).powi(2)).sum::<f64>().sqrt();
+    (0..radii.len()).map(along).collect()
+}
+
 /// Bounds of a box of half sizes `half` about `middle` (m, in its own frame) after rotation and translation to `center`, m.
 fn rotated_box_bounds(center: &[f64], middle: &[f64; 3], half: &[f64; 3], rotation: &Rotation) -> Bounds {
     let m = rotation.matrix();
@@ -185,7 +209,7 @@ fn rotated_box_bounds(center: &[f64], middle: &[f64; 3], half: &[f64; 3], rotati
         center[i] + (0..center.len()).map(along).sum::<f64>()
     };
     let side = |sign: f64| (0..center.len()).map(|i| end(i, sign)).collect();
-    (side(-1.0), side(1.0))
+    Bounds { lower: side(-1.0), upper: side(1.0) }
 }
 
 /// Bounds of the cow's parts, m.
@@ -193,7 +217,7 @@ fn cow_bounds<const D: usize>(at: &[f64], length: f64, rotation: &Rotation) -> B
     let cow =
         SmoothUnion::<D>::cow(length, &super::geometry::vector(at), &super::geometry::rotation(rotation));
     let (lower, upper) = cow.parts_bounds();
-    (lower.as_slice().to_vec(), upper.as_slice().to_vec())
+    Bounds { lower: lower.as_slice().to_vec(), upper: upper.as_slice().to_vec() }
 }
 
 /// Bounds of a half-space: finite along an axis only if its normal is parallel to that axis.
@@ -207,7 +231,7 @@ fn half_space_bounds(point: &[f64], normal: &[f64]) -> Bounds {
             lower[i] = point[i];
         }
     }
-    (lower, upper)
+    Bounds { lower, upper }
 }
 
 /// The point in the local frame of the shape.

@@ -1,6 +1,6 @@
 //! Expectations of a resolved scene.
 
-use crate::file::Side;
+use crate::file::grammar::Side;
 
 /// What is checked at the end of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub enum Expectation {
     Repair {
         /// Its name among the repairs of the summary.
         name: String,
-        /// Bound, in the unit of [`crate::file::RepairsFile`].
+        /// Bound, in the unit of the scene file.
         max: f64,
     },
     /// Largest speed at the end.

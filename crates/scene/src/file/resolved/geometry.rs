@@ -1,8 +1,8 @@
 //! Converts points, rotations and outlines of a resolved scene to types of `meniscus_numerics`.
 
-use super::scene::{Outline as OutlineSpec, Rotation};
+use super::shape::{Outline as OutlineSpec, Rotation};
 use crate::error::SceneError;
-use crate::file::OutlineName;
+use crate::file::grammar::OutlineName;
 use meniscus_numerics::mesh::volume::Outline;
 use meniscus_numerics::{Matrix, Vector};
 

@@ -4,11 +4,15 @@ mod bounds;
 mod expectation;
 mod geometry;
 mod scene;
+mod shape;
 mod tension;
+mod warning;
 
 pub use bounds::Bounds;
-pub(crate) use bounds::describe_outside;
 pub use expectation::Expectation;
 pub(crate) use geometry::{outline, rotation, vector};
-pub use scene::*;
-pub use tension::*;
+pub use scene::{Body, Domain, Liquid, Moved, Numerics, Output, Scene, Solid, WALLS};
+pub(crate) use shape::VOLUME_EXTENSIONS;
+pub use shape::{Outline, Rotation, ShapeSpec};
+pub use tension::{ContactLine, Hysteresis, SolidTension, Tensions, Wetting, WettingImage};
+pub use warning::{Warning, Warnings};

@@ -1,8 +1,13 @@
 //! A resolved scene in SI units, with defaults filled in and checked. Vectors have `dimension` entries.
 
-use crate::file::{ContactLine, Expectation, Format, OutlineName, Scheme, Source, Tensions, Wall};
+use super::expectation::Expectation;
+use super::shape::ShapeSpec;
+use super::tension::{ContactLine, Tensions};
+use super::warning::Warnings;
+use crate::file::grammar::{Format, Scheme, Wall};
+use crate::file::material::Material;
+use crate::file::source::Source;
 use std::f64::consts::FRAC_PI_2;
-use std::path::PathBuf;
 
 /// Name of the closed sides of the domain where a solid's name is expected.
 pub const WALLS: &str = "walls";
@@ -111,168 +116,6 @@ pub struct Body {
     pub displaced: bool,
 }
 
-/// A shape. Lengths are in m; directions have unit length.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ShapeSpec {
-    /// A ball.
-    Ball {
-        /// Centre, m.
-        center: Vec<f64>,
-        /// Radius, m.
-        radius: f64,
-    },
-    /// A box.
-    Box {
-        /// Centre, m.
-        center: Vec<f64>,
-        /// Half the edge lengths, m.
-        half_size: Vec<f64>,
-        /// Rotation about the centre.
-        rotation: Rotation,
-    },
-    /// The half-space on the side opposite to the normal.
-    HalfSpace {
-        /// A point of the plane, m.
-        point: Vec<f64>,
-        /// Unit normal out of the half-space.
-        normal: Vec<f64>,
-    },
-    /// A circular cylinder, 3D.
-    Cylinder {
-        /// Centre, m.
-        center: Vec<f64>,
-        /// Unit direction of the axis.
-        axis: Vec<f64>,
-        /// Radius, m.
-        radius: f64,
-        /// Length along the axis, m.
-        height: f64,
-    },
-    /// All points within the radius of a segment.
-    Capsule {
-        /// One end, m.
-        a: Vec<f64>,
-        /// The other end, m.
-        b: Vec<f64>,
-        /// Radius, m.
-        radius: f64,
-    },
-    /// An ellipsoid.
-    Ellipsoid {
-        /// Centre, m.
-        center: Vec<f64>,
-        /// Half axes, m.
-        radii: Vec<f64>,
-        /// Rotation about the centre.
-        rotation: Rotation,
-    },
-    /// A ball with radius `radius (1 + amplitude P_mode(cos θ))`, θ from the last axis; in 2D
-    /// `radius (1 + amplitude cos(mode θ))`.
-    PerturbedBall {
-        /// Centre, m.
-        center: Vec<f64>,
-        /// Radius, m.
-        radius: f64,
-        /// Mode number.
-        mode: u32,
-        /// Amplitude relative to the radius.
-        amplitude: f64,
-    },
-    /// The region where the last coordinate is below `level + amplitude cos(2π x / wavelength + phase)`.
-    Wave {
-        /// Mean height, m.
-        level: f64,
-        /// Amplitude, m.
-        amplitude: f64,
-        /// Wavelength, m.
-        wavelength: f64,
-        /// Phase, rad.
-        phase: f64,
-    },
-    /// A flat outline with a thickness, 3D.
-    Extrusion {
-        /// The outline.
-        outline: Outline,
-        /// Thickness, m.
-        thickness: f64,
-        /// Centre, m.
-        center: Vec<f64>,
-        /// Rotation about the centre.
-        rotation: Rotation,
-    },
-    /// Union.
-    Union(Vec<ShapeSpec>),
-    /// Union with fillets.
-    SmoothUnion {
-        /// The parts.
-        parts: Vec<ShapeSpec>,
-        /// Width of the fillets, m.
-        width: f64,
-    },
-    /// The part of `of` outside `minus`.
-    Difference {
-        /// The first shape.
-        of: Box<ShapeSpec>,
-        /// The subtracted shape.
-        minus: Box<ShapeSpec>,
-    },
-    /// A cow.
-    Cow {
-        /// The point between its feet, m.
-        at: Vec<f64>,
-        /// Its length, m.
-        length: f64,
-        /// Rotation about that point.
-        rotation: Rotation,
-    },
-    /// A closed surface or a volume from a file.
-    Mesh {
-        /// Absolute path of an existing file.
-        path: PathBuf,
-        /// Metres per unit of the file.
-        scale: f64,
-        /// Translation, m, applied after scale and rotation.
-        translate: Vec<f64>,
-        /// Rotation about the file's origin.
-        rotation: Rotation,
-    },
-}
-
-/// An outline in the plane.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Outline {
-    /// A named outline and its size across, m.
-    Named(OutlineName, f64),
-    /// A polygon, m.
-    Points(Vec<[f64; 2]>),
-}
-
-/// A rotation; `angle` 0 is none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rotation {
-    /// Unit axis; (0, 0, 1) in 2D.
-    pub axis: [f64; 3],
-    /// Angle, rad, right-handed.
-    pub angle: f64,
-}
-
-impl Rotation {
-    /// No rotation.
-    pub const NONE: Self = Self { axis: [0.0, 0.0, 1.0], angle: 0.0 };
-
-    /// The rotation matrix by rows; in 2D its upper left block.
-    pub fn matrix(&self) -> [[f64; 3]; 3] {
-        let (s, c) = self.angle.sin_cos();
-        let [x, y, z] = self.axis;
-        let t = 1.0 - c;
-        [
-            [t * x * x + c, t * x * y - s * z, t * x * z + s * y],
-            [t * x * y + s * z, t * y * y + c, t * y * z - s * x],
-            [t * x * z - s * y, t * y * z + s * x, t * z * z + c],
-        ]
-    }
-}
-
 /// A solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
@@ -307,82 +150,6 @@ pub struct Moved {
     pub velocity: Vec<f64>,
     /// Time, s, and displacement, m; times increase.
     pub keyframes: Vec<(f64, Vec<f64>)>,
-}
-
-impl ShapeSpec {
-    /// The mesh file of this shape, if it holds volume elements.
-    pub fn volume_file(&self) -> Option<&std::path::Path> {
-        let Self::Mesh { path, .. } = self else { return None };
-        let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase)?;
-        VOLUME_EXTENSIONS.contains(&ending.as_str()).then_some(path)
-    }
-}
-
-/// Extensions of files with volume elements.
-pub(crate) const VOLUME_EXTENSIONS: [&str; 4] = ["msh", "node", "ele", "vtk"];
-
-/// Material of a solid.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Material {
-    /// Rigid.
-    Rigid {
-        /// Whether it is fixed in space.
-        fixed: bool,
-    },
-    /// Prescribed motion.
-    Kinematic {
-        /// Constant velocity, m/s.
-        velocity: Vec<f64>,
-        /// Constant angular velocity, rad/s: one entry in 2D, three in 3D.
-        angular_velocity: Vec<f64>,
-        /// Time, s, and displacement, m; times increase.
-        keyframes: Vec<(f64, Vec<f64>)>,
-    },
-    /// Mass-spring network.
-    Springs {
-        /// Stiffness, N/m.
-        stiffness: f64,
-        /// Fraction of critical damping.
-        damping_ratio: f64,
-    },
-    /// Compressible neo-Hookean.
-    NeoHookean(Elastic),
-    /// Corotated linear elasticity.
-    Corotated(Elastic),
-    /// Thin shell.
-    Shell {
-        /// Constants.
-        elastic: Elastic,
-        /// Thickness, m.
-        thickness: f64,
-    },
-    /// Thin rod.
-    Rod {
-        /// Young modulus, Pa.
-        young_modulus: f64,
-        /// Radius of the section, m.
-        radius: f64,
-        /// Fraction of critical damping.
-        damping_ratio: f64,
-    },
-}
-
-impl Material {
-    /// Whether a solid of this material deforms.
-    pub fn deforms(&self) -> bool {
-        matches!(self, Self::Springs { .. } | Self::NeoHookean(_) | Self::Corotated(_))
-    }
-}
-
-/// Elastic constants.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Elastic {
-    /// Young modulus, Pa.
-    pub young_modulus: f64,
-    /// Poisson ratio.
-    pub poisson_ratio: f64,
-    /// Fraction of critical damping.
-    pub damping_ratio: f64,
 }
 
 /// Parameters of the discretisation.
@@ -421,23 +188,4 @@ pub struct Output {
     pub formats: Vec<Format>,
     /// Frames between checkpoints.
     pub checkpoint_every: usize,
-}
-
-/// Warnings: suspicious values that do not prevent a run.
-#[derive(Clone, Debug, Default)]
-pub struct Warnings(pub Vec<Warning>);
-
-impl PartialEq for Warnings {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-/// A warning.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Warning {
-    /// Dotted path of the value.
-    pub path: String,
-    /// Message.
-    pub message: String,
 }

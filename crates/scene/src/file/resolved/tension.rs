@@ -1,6 +1,6 @@
 //! Surface tensions, wetting patterns and contact-line parameters, resolved to SI.
 
-use crate::file::ShapeSpec;
+use super::shape::ShapeSpec;
 use std::path::PathBuf;
 
 /// Tensions.

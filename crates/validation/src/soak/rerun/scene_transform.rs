@@ -50,7 +50,7 @@ impl SceneTransform {
 
     /// Whether a shape ends before the sides of the shift.
     fn is_inside(&self, shape: &ShapeSpec, dimension: usize) -> bool {
-        shape.bounds(dimension).is_some_and(|(low, high)| low[0] > 0.0 && high[0] < self.size - self.shift)
+        shape.bounds(dimension).is_some_and(|b| b.lower[0] > 0.0 && b.upper[0] < self.size - self.shift)
     }
 
     fn solid(&self, solid: &mut Solid) -> Option<()> {

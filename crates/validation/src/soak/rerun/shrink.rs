@@ -4,7 +4,7 @@ use super::accepted::round_tripped;
 use super::evidence;
 use crate::soak::Outcome;
 use crate::soak::launcher::Launcher;
-use meniscus_scene::file::{Scene, ShapeSpec, SolidTension, Wall};
+use meniscus_scene::file::{Bounds, Scene, ShapeSpec, SolidTension, Wall};
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
@@ -133,7 +133,7 @@ fn features(scene: &Scene) -> Vec<(String, Scene)> {
     less("shapes of liquid other than balls", &|s| {
         let dimension = s.domain.dimension;
         for body in &mut s.liquid.bodies {
-            let Some((low, high)) = body.shape.bounds(dimension) else { continue };
+            let Some(Bounds { lower: low, upper: high }) = body.shape.bounds(dimension) else { continue };
             let center: Vec<f64> = low.iter().zip(&high).map(|(l, h)| 0.5 * (l + h)).collect();
             let radius = low.iter().zip(&high).map(|(l, h)| 0.5 * (h - l)).fold(f64::INFINITY, f64::min);
             if radius.is_finite() && !matches!(body.shape, ShapeSpec::Ball { .. }) {
