@@ -8,6 +8,7 @@ use crate::estimate::parameters::parameters;
 use crate::file::{Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, describe_outside, vector};
 use crate::job::{ExistingRun, Job, Schedule, Stop};
 use crate::output::Folder;
+use crate::output::frame::frame_writer;
 use crate::run::Observer;
 use crate::run::checkpoint::Checksum;
 use crate::run::{self, Outcome, RunError};
@@ -85,6 +86,7 @@ impl Job {
             schedule: Schedule::new(output.frame_interval, output.duration),
             frame_interval: output.frame_interval,
             frames: None,
+            writers: output.formats.iter().filter_map(|format| frame_writer(*format)).collect(),
             checkpoint_every: output.checkpoint_every as u64,
             solids: scene.solids.iter().map(|s| (s.name.clone(), s.mesh_edge)).collect(),
             warnings: Vec::new(),
