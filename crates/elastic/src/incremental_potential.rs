@@ -104,7 +104,9 @@ impl<const D: usize> IncrementalPotential<'_, D> {
     /// Magnitude of its energies, J (2D: J/m), the scale of the Newton decrement.
     pub fn energy_scale(&self, velocities: &[Vector<D>]) -> f64 {
         let kinetic = |velocities: &[Vector<D>]| self.elastic.kinetic_energy(velocities);
-        let stored = self.elastic.elastic_energy(&self.midpoint_positions(velocities));
+        let middle = self.midpoint_positions(velocities);
+        // The energy of a load is negative where it has done work.
+        let stored: f64 = self.elastic.terms.iter().map(|term| term.energy(&middle).abs()).sum();
         kinetic(velocities)
             + kinetic(&self.state.velocities)
             + 2.0 * self.impulse_time / self.velocity_lead * stored

@@ -18,6 +18,7 @@ pub use crate::measure::{
     LocalAngle, MeasureOptions, Measurement, Midline, Ridge, SoftMeasure, SolidMeasure, TimeStatistics,
     TimeWindow, measure,
 };
+pub use crate::page::time_series::TimeSeries;
 pub use crate::page::{PageOptions, PageReport, make_page, write_page};
 pub use crate::render::{
     Appearance, Camera, Image, ImageSize, RenderOptions, Rendered, Renderer, Style, render,

@@ -28,7 +28,7 @@ pub struct TangentWeights {
     pub viscosity: f64,
 }
 
-/// A term of the elastic energy.
+/// A term of the elastic energy, or of the energy of a load that has a potential.
 pub trait ForceTerm<const D: usize>: Debug + Send + Sync {
     /// Groups of coupled vertices, which determine the blocks of the tangents.
     fn couplings(&self) -> &Cliques;
@@ -36,7 +36,8 @@ pub trait ForceTerm<const D: usize>: Debug + Send + Sync {
     /// Energy, J (2D: J/m), at positions, m.
     fn energy(&self, x: &[Vector<D>]) -> f64;
 
-    /// Adds the forces, N (2D: N/m): minus the gradient of the energy. Their sum and their torque vanish to rounding.
+    /// Adds the forces, N (2D: N/m): minus the gradient of the energy. Their sum and their torque vanish to rounding, except those of
+    /// a load from outside.
     fn add_forces(&self, x: &[Vector<D>], forces: &mut [Vector<D>]);
 
     /// Adds the viscous forces `−time K̂ v`, N (2D: N/m), with `time` in s. They dissipate energy and conserve both momenta.
@@ -49,6 +50,7 @@ pub trait ForceTerm<const D: usize>: Debug + Send + Sync {
 /// A term with discrete-gradient forces between two configurations `x₀` and `x₁`: their work is the decrease of its energy
 /// (`discrete_gradient.rs`).
 pub trait DiscreteGradientTerm<const D: usize>: ForceTerm<D> {
-    /// Adds these forces, N (2D: N/m). Their sum and their torque about the midpoint configuration vanish.
+    /// Adds these forces, N (2D: N/m). Their sum and their torque about the midpoint configuration vanish, except
+    /// those of a load from outside.
     fn add_forces_between(&self, ends: [&[Vector<D>]; 2], forces: &mut [Vector<D>]);
 }

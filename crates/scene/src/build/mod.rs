@@ -1,5 +1,6 @@
 //! Builds a simulation from a resolved scene.
 
+mod any_simulation;
 mod constraints;
 mod deformable;
 pub mod displaced_liquid;
@@ -9,6 +10,7 @@ mod shapes;
 mod thickness;
 mod wettability;
 
+pub use any_simulation::{AnySimulation, GridValues, SceneSimulation};
 pub use initial_condition::{Setup, SignedDistanceFn};
-pub use setup::{AnySetup, AnySimulation, model, setup};
+pub use setup::{AnySetup, model, setup};
 pub use shapes::signed_distance_fn;

@@ -1,4 +1,4 @@
-//! Builds a simulation from a resolved scene. The only place where the dimension is chosen at run time.
+//! Builds a setup from a resolved scene. The only place where the dimension is chosen at run time.
 
 use super::Setup;
 use super::shapes::{shape, signed_distance_fn};
@@ -8,13 +8,14 @@ use crate::estimate::parameters::parameters;
 use crate::file::{Bounds, Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, vector};
 use crate::job::{ExistingRun, Job, Schedule, Stop};
 use crate::output::Folder;
+use crate::output::frame::frame_writer;
 use crate::run::Observer;
 use crate::run::checkpoint::Checksum;
 use crate::run::{self, Outcome, RunError};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Numerics, PrescribedMotion, Simulation, Solid};
+use meniscus_sim::{Model, Motion, Numerics, PrescribedMotion, Solid};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -27,14 +28,6 @@ pub enum AnySetup {
     D3(Setup<3>),
 }
 
-/// A simulation in two or three dimensions.
-pub enum AnySimulation {
-    /// Two dimensions.
-    D2(Box<Simulation<2>>),
-    /// Three dimensions.
-    D3(Box<Simulation<3>>),
-}
-
 impl AnySetup {
     /// The setup of a scene.
     ///
@@ -44,14 +37,6 @@ impl AnySetup {
         match scene.domain.dimension {
             2 => Ok(Self::D2(setup(scene)?)),
             _ => Ok(Self::D3(setup(scene)?)),
-        }
-    }
-
-    /// The simulation in its initial state.
-    pub fn simulation(&self) -> AnySimulation {
-        match self {
-            Self::D2(setup) => AnySimulation::D2(Box::new(setup.simulation())),
-            Self::D3(setup) => AnySimulation::D3(Box::new(setup.simulation())),
         }
     }
 
@@ -85,13 +70,19 @@ impl Job {
             schedule: Schedule::new(output.frame_interval, output.duration),
             frame_interval: output.frame_interval,
             frames: None,
+            writers: output.formats.iter().filter_map(|format| frame_writer(*format)).collect(),
             checkpoint_every: output.checkpoint_every as u64,
-            solids: scene.solids.iter().map(|s| (s.name.clone(), s.mesh_edge)).collect(),
+            solids: names_and_mesh_edges(scene),
             warnings: Vec::new(),
             description: scene.description.clone(),
             parameters: parameters(scene),
         }
     }
+}
+
+/// Name and mesh edge, m, of every solid.
+pub(super) fn names_and_mesh_edges(scene: &Scene) -> Vec<(String, f64)> {
+    scene.solids.iter().map(|solid| (solid.name.clone(), solid.mesh_edge)).collect()
 }
 
 /// A hash that differs between scenes with different results. The duration, additional output and the number of threads do

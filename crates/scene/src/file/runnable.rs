@@ -4,6 +4,7 @@ use crate::error::SceneError;
 use crate::file::grammar::{Format, Scheme};
 use crate::file::material::Material;
 use crate::file::resolved::{Scene, ShapeSpec};
+use crate::output::frame::frame_writer;
 
 /// Checks that this version can run the scene.
 ///
@@ -53,10 +54,13 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
     if scene.numerics.scheme == Scheme::Paper {
         return refuse("numerics.scheme", "the scheme `paper`", "use scheme = \"meniscus\"");
     }
-    if let Some(i) = scene.output.formats.iter().position(|f| !matches!(f, Format::Ply | Format::Page)) {
-        let name = format!("{:?}", scene.output.formats[i]).to_lowercase();
-        let what = format!("output in the format `{name}`");
-        return refuse("output.formats", &what, "accepted: \"ply\", \"page\"");
+    let is_written = |format: &Format| *format == Format::Page || frame_writer(*format).is_some();
+    if let Some(format) = scene.output.formats.iter().find(|format| !is_written(format)) {
+        let name = |format: &Format| format!("{format:?}").to_lowercase();
+        let written: Vec<String> =
+            Format::ALL.iter().filter(|f| is_written(f)).map(|f| format!("\"{}\"", name(f))).collect();
+        let what = format!("output in the format `{}`", name(format));
+        return refuse("output.formats", &what, &format!("accepted: {}", written.join(", ")));
     }
     if scene.contact_line.neumann && !scene.solids.iter().any(|s| s.material.deforms()) {
         let error = SceneError::new("`neumann` needs a deformable solid, but no solid deforms");

@@ -2,9 +2,11 @@
 
 use super::schedule::Schedule;
 use crate::estimate::parameters::Parameter;
+use crate::output::frame::FrameWriter;
+use std::sync::Arc;
 
 /// The part of a scene that controls a run and is not physics.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Job {
     /// Name of the scene.
     pub name: String,
@@ -18,6 +20,8 @@ pub struct Job {
     pub frame_interval: f64,
     /// First and last frame to write; the run ends with the last.
     pub frames: Option<(u64, u64)>,
+    /// Writers of the frames; the log names the file of the first one.
+    pub writers: Vec<Arc<dyn FrameWriter>>,
     /// Frames between checkpoints.
     pub checkpoint_every: u64,
     /// Name and mesh edge, m, of every solid.

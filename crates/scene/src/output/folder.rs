@@ -64,19 +64,9 @@ impl Folder {
         self.root.join("frames")
     }
 
-    /// File of the liquid's surface in a frame.
-    pub fn liquid(&self, frame: u64) -> PathBuf {
-        self.frames().join(format!("liquid_{frame:04}.ply"))
-    }
-
-    /// File of the contact line in a frame.
-    pub fn contact_line(&self, frame: u64) -> PathBuf {
-        self.frames().join(format!("contact_line_{frame:04}.ply"))
-    }
-
-    /// File of a solid's surface in a frame.
-    pub fn solid(&self, name: &str, frame: u64) -> PathBuf {
-        self.frames().join(format!("solid_{name}_{frame:04}.ply"))
+    /// File of a part of a frame, such as `liquid`, `contact_line` or `solid_NAME`: `frames/PART_NNNN.EXTENSION`.
+    pub fn frame_file(&self, part: &str, frame: u64, extension: &str) -> PathBuf {
+        self.frames().join(format!("{part}_{frame:04}.{extension}"))
     }
 
     /// `checkpoints/`.

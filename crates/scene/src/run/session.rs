@@ -8,12 +8,13 @@ use super::scene_text::scene_text;
 use super::watchdog::{FinishOnDrop, Limits, Watchdog};
 use crate::estimate::thin_liquid;
 use crate::job::{Job, RunStatistics, Stop};
+use crate::output::frame::{FrameExtractor, NotFinite, liquid_surface};
 use crate::output::log::Log;
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::time_series::{self, RunValues, TimeSeriesWriter};
-use crate::output::{FileError, Folder, SolidMeasures, atomic_file, frame};
+use crate::output::{FileError, Folder, SolidMeasures, atomic_file};
 use crate::units::format_si;
-use meniscus_sim::{ContactLine, LineTracker, Simulation, StepReport};
+use meniscus_sim::{ContactLine, Simulation, StepReport};
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,15 +25,12 @@ const MIN_CHECKPOINT_INTERVAL: Duration = Duration::from_millis(100);
 /// Longest time between checkpoints; it bounds the work that can be lost.
 const MAX_CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
 
-/// Edges per cell of the mesh of wetted walls; the default of solids.
-const WALL_MESH_EDGES_PER_CELL: f64 = 1.5;
-
 /// A run in this process.
 pub(super) struct Session<'a, const D: usize> {
     job: &'a Job,
     folder: &'a Folder,
     simulation: Simulation<D>,
-    tracker: LineTracker<D>,
+    extractor: FrameExtractor<D>,
     /// The contact line of the present state.
     contact_line: ContactLine<D>,
     statistics: RunStatistics,
@@ -91,15 +89,12 @@ impl<'a, const D: usize> Session<'a, D> {
         folder: &'a Folder,
         resumed_at: Option<f64>,
     ) -> Result<Self, FileError> {
-        let model = &simulation.model;
-        let walls = model.wetting_wall_solid().map(|_| model.grid.dx / WALL_MESH_EDGES_PER_CELL);
-        let edges: Vec<f64> = job.solids.iter().map(|(_, edge)| *edge).chain(walls).collect();
-        let tracker = LineTracker::new(model, &edges);
+        let extractor = FrameExtractor::new(&simulation.model, &job.solids);
         Ok(Self {
             job,
             folder,
-            contact_line: tracker.extract(&simulation),
-            tracker,
+            contact_line: extractor.contact_line(&simulation),
+            extractor,
             checkpoint: checkpoint::list(&folder.checkpoints()).first().cloned(),
             checkpoint_frame: statistics.next_frame,
             checkpoint_time: Instant::now(),
@@ -270,7 +265,7 @@ impl<'a, const D: usize> Session<'a, D> {
     fn update_contact_line(&mut self) {
         if !self.simulation.model.solids.is_empty() {
             let start = Instant::now();
-            self.contact_line = self.tracker.extract(&self.simulation);
+            self.contact_line = self.extractor.contact_line(&self.simulation);
             self.statistics.add_phase("contact line", start.elapsed().as_secs_f64());
         }
     }
@@ -285,26 +280,20 @@ impl<'a, const D: usize> Session<'a, D> {
     fn write_frame(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let start = Instant::now();
         let number = self.statistics.next_frame;
-        let path = self.folder.liquid(number);
-        let mesh = frame::liquid(&self.simulation).map_err(|what| self.not_finite(what))?;
+        let frame = self.extractor.frame(&self.simulation, &self.contact_line);
+        let frame = frame.map_err(|NotFinite { what }| self.not_finite(what))?;
         self.statistics.next_frame += 1;
         self.statistics.add_overlaps(&self.simulation.model, &self.simulation.state.solids);
         self.check_thin_liquid(observer)?;
         if !self.job.writes(number) {
             return Ok(());
         }
-        frame::write(&path, &mesh)?;
-        for (i, (name, _)) in self.job.solids.iter().enumerate() {
-            let (model, solids) = (&self.simulation.model, &self.simulation.state.solids);
-            let surface = self.tracker.surface(model, solids, i);
-            let mesh = frame::solid(&self.simulation, i, &surface, &self.contact_line);
-            frame::write(&self.folder.solid(name, number), &mesh)?;
+        let mut paths = Vec::new();
+        for writer in &self.job.writers {
+            paths.push(writer.write(self.folder, number, &frame)?);
         }
-        // No file without a line: mesh readers refuse one without vertices.
-        if !self.contact_line.points.is_empty() {
-            let mesh = frame::contact_line(&self.simulation, &self.contact_line);
-            frame::write(&self.folder.contact_line(number), &mesh)?;
-        }
+        // The event names the file of the first writer.
+        let path = paths.into_iter().next().unwrap_or_else(|| self.folder.frames());
         self.statistics.add_phase("frames", start.elapsed().as_secs_f64());
         self.emit(Event::Frame { frame: number, time: self.simulation.state.time, path }, observer)
     }
@@ -369,7 +358,7 @@ impl<'a, const D: usize> Session<'a, D> {
     }
 
     fn state_is_finite(&self) -> bool {
-        frame::liquid(&self.simulation).is_ok()
+        liquid_surface(&self.simulation).is_ok()
     }
 
     fn emit(&mut self, event: Event, observer: &mut dyn Observer) -> Result<(), RunError> {

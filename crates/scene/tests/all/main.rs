@@ -1,5 +1,6 @@
 //! The tests of this crate's public face, in one program: every program of its own compiles the whole simulation anew.
 
+mod any_simulation;
 mod free_solids;
 mod golden;
 mod patterns;

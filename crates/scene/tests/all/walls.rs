@@ -69,7 +69,7 @@ fn a_drop_wets_the_bottom() {
     assert!((summary.domain[0] - 4e-3).abs() < 1e-15 && summary.drops[0].lower[1] == 0.0);
     let files = std::fs::read_dir(dir.join("frames")).unwrap().map(|f| f.unwrap().file_name());
     let solids = files.filter(|f| f.to_str().is_some_and(|f| f.starts_with("solid_"))).count();
-    let line = PlyMesh::load(&folder.contact_line(2)).unwrap();
+    let line = PlyMesh::load(&folder.frame_file("contact_line", 2, "ply")).unwrap();
     assert_eq!((solids, line.positions.len()), (3, 2));
     assert!(line.positions.iter().all(|x| x[1].abs() < 1e-9) && line.scalars["solid"] == [1.0, 1.0]);
     std::fs::remove_dir_all(dir).unwrap();

@@ -9,9 +9,9 @@ use crate::error::{Result, ViewError};
 /// Largest number of rows for plots.
 const MAX_PLOT_ROWS: usize = 4000;
 
-/// The columns of a time series.
+/// The columns of a time series, in SI units and degrees; numbers are rounded to seven digits.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub(crate) struct TimeSeries {
+pub struct TimeSeries {
     /// Names of the columns.
     pub names: Vec<String>,
     /// Values of the columns; `null` for an empty cell.
@@ -29,7 +29,10 @@ impl TimeSeries {
     }
 
     /// Reads every row of a file; a missing file gives no columns.
-    pub(crate) fn load_all(path: &Path) -> Result<Self> {
+    ///
+    /// # Errors
+    /// [`ViewError`] if the file cannot be read.
+    pub fn load_all(path: &Path) -> Result<Self> {
         Self::of_file(path, usize::MAX)
     }
 
@@ -41,7 +44,7 @@ impl TimeSeries {
     }
 
     /// The values of a column; `None` if there is no such column.
-    pub(crate) fn column(&self, name: &str) -> Option<&[Option<f64>]> {
+    pub fn column(&self, name: &str) -> Option<&[Option<f64>]> {
         let place = self.names.iter().position(|n| n == name)?;
         Some(&self.columns[place])
     }

@@ -260,3 +260,9 @@ pub enum Format {
     #[schemars(skip)]
     Csv,
 }
+
+impl Format {
+    /// All formats, in the order of their definition.
+    pub const ALL: [Self; 8] =
+        [Self::Ply, Self::Page, Self::Vtk, Self::Obj, Self::Glb, Self::Usd, Self::Vdb, Self::Csv];
+}

@@ -1,13 +1,12 @@
 //! Impact of a drop on a deformable plate at three resolutions, as in the paper's Fig. 14.
 
-use crate::measure::{at_least, bar, line_tracker};
-use crate::setup::run_to;
+use crate::measure::{at_least, bar};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
-use meniscus_scene::build::{AnySetup, AnySimulation};
+use meniscus_scene::build::AnySimulation;
 use meniscus_scene::builtin;
 use meniscus_scene::file::LoadOptions;
-use meniscus_sim::{LineTracker, Simulation};
+use meniscus_scene::output::frame::Frame;
 
 /// The case.
 pub const CASE: Case = Case {
@@ -27,7 +26,7 @@ const TIMES: usize = 80;
 const END: f64 = 0.02;
 
 /// The outermost contact points at each time.
-type History = Vec<Option<[Vector<2>; 2]>>;
+type History = Vec<Option<[Vector<3>; 2]>>;
 
 fn run(_: Mode) -> Vec<Check> {
     let Some(all) = RESOLUTIONS.iter().map(|n| history(*n)).collect::<Option<Vec<History>>>() else {
@@ -49,21 +48,20 @@ fn run(_: Mode) -> Vec<Check> {
 fn history(cells: usize) -> Option<History> {
     let sets = vec![format!("domain.resolution={cells}")];
     let scene = builtin::open("fig14-soft-plate", &LoadOptions { sets, ..LoadOptions::default() }).ok()?;
-    let AnySimulation::D2(mut sim) = AnySetup::of(&scene).ok()?.simulation() else { return None };
-    let tracker = line_tracker(&sim);
+    let mut simulation = AnySimulation::of(&scene).ok()?;
     let mut history = History::new();
     for k in 1..=TIMES {
-        run_to(&mut sim, END * k as f64 / TIMES as f64, |_, _| ()).ok()?;
-        history.push(outermost(&sim, &tracker));
+        simulation.run_to(END * k as f64 / TIMES as f64).ok()?;
+        history.push(outermost(&simulation.frame().ok()?));
     }
     Some(history)
 }
 
 /// The first and the last contact point along the plate.
-fn outermost(sim: &Simulation<2>, tracker: &LineTracker<2>) -> Option<[Vector<2>; 2]> {
-    let mut points: Vec<Vector<2>> = tracker.extract(sim).points.iter().map(|p| p.at).collect();
+fn outermost(frame: &Frame) -> Option<[Vector<3>; 2]> {
+    let mut points = frame.contact_line.as_ref()?.positions.clone();
     points.sort_by(|p, q| p[0].total_cmp(&q[0]));
-    points.first().zip(points.last()).filter(|(p, q)| p[0] < q[0]).map(|(p, q)| [*p, *q])
+    points.first().zip(points.last()).filter(|(p, q)| p[0] < q[0]).map(|(p, q)| [*p, *q].map(Vector::from))
 }
 
 /// Mean distance of the points of two histories, m, at the times when both have points.

@@ -1,0 +1,217 @@
+//! Extraction of frames from a simulation.
+
+use super::{Attribute, Frame, FrameMesh};
+use crate::job::padded_to_3d;
+use meniscus_elastic::Elastic;
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{CellField, Sampler};
+use meniscus_numerics::mesh::{SurfaceMesh, isosurface};
+use meniscus_sim::{ContactLine, LinePoint, LineTracker, Model, Simulation, Soft};
+use rayon::prelude::*;
+use thiserror::Error;
+
+/// Distance, in cells, up to which a vertex of the liquid's surface lies on a solid's surface or on the contact line. It is the accuracy
+/// of the vertices of surface nets.
+const ON_SURFACE_CELLS: f64 = 0.3;
+
+/// Edges per cell of the mesh of wetted walls; the default of solids.
+const WALL_MESH_EDGES_PER_CELL: f64 = 1.5;
+
+/// Components of the displacement.
+const DISPLACEMENT: [&str; 3] = ["ux", "uy", "uz"];
+
+/// Components of the force on a contact line.
+const LINE_FORCE: [&str; 3] = ["fx", "fy", "fz"];
+
+/// A field of the state, or the liquid's surface, is not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("the {what} is not finite")]
+pub struct NotFinite {
+    /// The field.
+    pub what: &'static str,
+}
+
+/// Extracts frames from the states of a simulation. It has the names and the meshes of the solids.
+#[derive(Clone, Debug)]
+pub struct FrameExtractor<const D: usize> {
+    names: Vec<String>,
+    tracker: LineTracker<D>,
+}
+
+impl<const D: usize> FrameExtractor<D> {
+    /// For a model whose solids have these names and these lengths of their meshes' edges, m, in the model's order.
+    pub fn new(model: &Model<D>, solids: &[(String, f64)]) -> Self {
+        let walls = model.wetting_wall_solid().map(|_| model.grid.dx / WALL_MESH_EDGES_PER_CELL);
+        let edges: Vec<f64> = solids.iter().map(|(_, edge)| *edge).chain(walls).collect();
+        let names = solids.iter().map(|(name, _)| name.clone()).collect();
+        Self { names, tracker: LineTracker::new(model, &edges) }
+    }
+
+    /// The contact line of the current state.
+    pub fn contact_line(&self, simulation: &Simulation<D>) -> ContactLine<D> {
+        self.tracker.extract(simulation)
+    }
+
+    /// The frame of the current state with its contact line.
+    ///
+    /// # Errors
+    /// [`NotFinite`] if a field or the liquid's surface is not finite.
+    pub fn frame(&self, simulation: &Simulation<D>, line: &ContactLine<D>) -> Result<Frame, NotFinite> {
+        let Simulation { model, state, .. } = simulation;
+        let solid = |(number, name): (usize, &String)| {
+            let surface = self.tracker.surface(model, &state.solids, number);
+            (name.clone(), solid(simulation, number, &surface, line))
+        };
+        Ok(Frame {
+            time: state.time,
+            liquid: liquid_surface(simulation)?,
+            solids: self.names.iter().enumerate().map(solid).collect(),
+            contact_line: (!line.points.is_empty()).then(|| contact_line(line)),
+            wall_solid: model.wetting_wall_solid(),
+        })
+    }
+}
+
+/// The liquid's surface outside the solids.
+///
+/// # Errors
+/// [`NotFinite`] if a field or the surface is not finite.
+pub fn liquid_surface<const D: usize>(simulation: &Simulation<D>) -> Result<FrameMesh, NotFinite> {
+    let state = &simulation.state;
+    if !state.phi.data.par_iter().all(|v| v.is_finite()) {
+        return Err(NotFinite { what: "signed distance" });
+    }
+    if !state.velocity.axes.iter().all(|axis| axis.par_iter().all(|v| v.is_finite())) {
+        return Err(NotFinite { what: "velocity" });
+    }
+    let mut surface = match simulation.model.solids.is_empty() {
+        true => isosurface::extract_isosurface(&state.phi, simulation.liquid_cells()),
+        false => {
+            let outside = phi_outside_solids(simulation);
+            let cells = simulation.liquid_cells().clone();
+            let cells = cells.filtered(&simulation.model.grid, |c| outside.data[c] < 0.0);
+            isosurface::extract_isosurface(&outside, &cells)
+        }
+    };
+    classify_vertices(simulation, &surface.mesh.positions, &mut surface.vertex_kind);
+    let mut mesh = mesh(&surface.mesh);
+    if !mesh.positions.iter().flatten().all(|x| x.is_finite()) {
+        return Err(NotFinite { what: "liquid's surface" });
+    }
+    mesh.attributes.push(Attribute {
+        name: "kind",
+        unit: "1",
+        meaning: "0 liquid-air, 1 liquid-solid, 2 contact line",
+        values: surface.vertex_kind.into_iter().map(f64::from).collect(),
+    });
+    Ok(mesh)
+}
+
+/// max(φ, -d) with the distance d to the solids, m.
+fn phi_outside_solids<const D: usize>(simulation: &Simulation<D>) -> CellField<D> {
+    let mut field = simulation.state.phi.clone();
+    let (grid, lattice) = (simulation.model.grid, simulation.model.grid.lattice());
+    field.data.par_iter_mut().enumerate().filter(|(_, v)| **v < grid.dx).for_each(|(i, value)| {
+        *value = value.max(-simulation.distance_to_solids(&grid.center(lattice.coordinates(i))));
+    });
+    field
+}
+
+fn classify_vertices<const D: usize>(simulation: &Simulation<D>, positions: &[Vector<D>], kind: &mut [u8]) {
+    if simulation.model.solids.is_empty() {
+        return;
+    }
+    let (model, near) = (&simulation.model, ON_SURFACE_CELLS * simulation.model.grid.dx);
+    let phi = Sampler::cells(&model.grid, &simulation.state.phi.data, model.scalar_boundary());
+    positions.par_iter().zip(kind).for_each(|(x, kind)| {
+        if simulation.distance_to_solids(x) < near {
+            *kind = if phi.linear(x) > -near { isosurface::CONTACT_LINE } else { isosurface::LIQUID_SOLID };
+        }
+    });
+}
+
+/// The surface of a solid with the distance to the contact line, Young's angle where it varies, and where the solid deforms its
+/// displacement and strain.
+fn solid<const D: usize>(
+    simulation: &Simulation<D>,
+    number: usize,
+    surface: &SurfaceMesh<D>,
+    line: &ContactLine<D>,
+) -> FrameMesh {
+    let mut mesh = mesh(surface);
+    let mut phi_c = line.phi_c.get(number).cloned().unwrap_or_default();
+    phi_c.resize(mesh.positions.len(), 0.0);
+    let meaning = "signed distance to the contact line along the surface, negative where wetted";
+    mesh.attributes.push(Attribute { name: "phi_c", unit: "m", meaning, values: phi_c });
+    if let Some((elastic, soft)) = soft_state(simulation, number) {
+        mesh.attributes.extend(deformation(elastic, soft));
+    }
+    let young = young_angles(simulation, number, &surface.positions);
+    if !young.is_empty() {
+        let meaning = "Young's contact angle through the liquid";
+        mesh.attributes.push(Attribute { name: "young", unit: "deg", meaning, values: young });
+    }
+    mesh
+}
+
+/// Displacement and strain of a deformable solid at the vertices of its surface.
+fn deformation<const D: usize>(elastic: &Elastic<D>, soft: &Soft<D>) -> Vec<Attribute> {
+    let (rest, strains) = (&elastic.rest_mesh().positions, elastic.strains(&soft.state.positions));
+    let of = |value: &dyn Fn(usize) -> f64| {
+        soft.surface.volume_vertices().iter().map(|v| value(*v as usize)).collect()
+    };
+    let mut all: Vec<Attribute> = Vec::new();
+    for (a, name) in DISPLACEMENT.into_iter().enumerate() {
+        let displacement = |v: usize| padded_to_3d(&(soft.state.positions[v] - rest[v]))[a];
+        let meaning = "displacement from the position at rest";
+        all.push(Attribute { name, unit: "m", meaning, values: of(&displacement) });
+    }
+    let meaning = "largest |stretch - 1|";
+    all.push(Attribute { name: "strain", unit: "1", meaning, values: of(&|v| strains[v]) });
+    all
+}
+
+/// A deformable solid and its state.
+fn soft_state<const D: usize>(simulation: &Simulation<D>, number: usize) -> Option<(&Elastic<D>, &Soft<D>)> {
+    let soft = simulation.state.solids[number].soft.as_ref();
+    simulation.model.solids[number].elastic().zip(soft)
+}
+
+/// Young's angle, degrees, at points of a solid with a pattern.
+fn young_angles<const D: usize>(simulation: &Simulation<D>, number: usize, points: &[Vector<D>]) -> Vec<f64> {
+    let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
+    if solid.pattern.is_empty() {
+        return Vec::new();
+    }
+    let cosine = |x: &Vector<D>| solid.young_cosine_near(now, x, simulation.model.grid.dx);
+    points.par_iter().map(|x| cosine(x).clamp(-1.0, 1.0).acos().to_degrees()).collect()
+}
+
+/// The contact line: vertices with angle, speed, force per length and the number of the solid; in 3D with edges.
+fn contact_line<const D: usize>(line: &ContactLine<D>) -> FrameMesh {
+    let of = |value: &dyn Fn(&LinePoint<D>) -> f64| line.points.iter().map(value).collect();
+    let attribute = |name, unit, meaning, values| Attribute { name, unit, meaning, values };
+    let mut attributes = vec![
+        attribute("angle", "deg", "contact angle through the liquid", of(&|p| p.angle_degrees)),
+        attribute("speed", "m/s", "speed across the line, positive where it advances", of(&|p| p.speed)),
+    ];
+    for (a, name) in LINE_FORCE.into_iter().enumerate() {
+        let values = of(&|p| padded_to_3d(&p.force)[a]);
+        attributes.push(attribute(name, "N/m", "force on the solid per length of the line", values));
+    }
+    attributes.push(attribute("solid", "1", "number of the solid in the scene", of(&|p| f64::from(p.solid))));
+    let positions = line.points.iter().map(|p| padded_to_3d(&p.at)).collect();
+    FrameMesh { positions, triangles: Vec::new(), edges: line.segments.clone(), attributes }
+}
+
+/// A mesh without attributes.
+fn mesh<const D: usize>(surface: &SurfaceMesh<D>) -> FrameMesh {
+    let positions = surface.positions.iter().map(padded_to_3d).collect();
+    let mut mesh = FrameMesh { positions, ..FrameMesh::default() };
+    if D == 2 {
+        mesh.edges = surface.facets.iter().map(|f| [f[0], f[1]]).collect();
+    } else {
+        mesh.triangles = surface.facets.iter().map(|f| [f[0], f[1], f[D - 1]]).collect();
+    }
+    mesh
+}

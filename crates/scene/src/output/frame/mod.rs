@@ -1,0 +1,13 @@
+//! Frames of a run: what they contain, how they are extracted from a simulation, and the formats in which they are written.
+
+mod content;
+mod extractor;
+mod formats;
+mod ply;
+mod writer;
+
+pub use content::{Attribute, Frame, FrameMesh};
+pub use extractor::{FrameExtractor, NotFinite, liquid_surface};
+pub use formats::frame_writer;
+pub use ply::PlyWriter;
+pub use writer::FrameWriter;

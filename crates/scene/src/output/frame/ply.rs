@@ -1,0 +1,92 @@
+//! Frames as binary PLY files, one for each mesh.
+
+use super::{Attribute, Frame, FrameMesh, FrameWriter};
+use crate::output::{FileError, Folder, atomic_file};
+use meniscus_numerics::mesh::ply::PlyMesh;
+use std::path::{Path, PathBuf};
+
+/// Writes `liquid_NNNN.ply`, `solid_NAME_NNNN.ply` and, where there is a contact line, `contact_line_NNNN.ply`.
+#[derive(Clone, Copy, Debug)]
+pub struct PlyWriter;
+
+impl FrameWriter for PlyWriter {
+    fn write(&self, folder: &Folder, number: u64, frame: &Frame) -> Result<PathBuf, FileError> {
+        let file = |part: &str| folder.frame_file(part, number, "ply");
+        let liquid = file("liquid");
+        write(&liquid, &ply(&frame.liquid, frame))?;
+        for (name, mesh) in &frame.solids {
+            write(&file(&format!("solid_{name}")), &ply(mesh, frame))?;
+        }
+        // No file without a line: mesh readers refuse one without vertices.
+        if let Some(line) = &frame.contact_line {
+            let mut mesh = ply(line, frame);
+            mesh.comments.extend(frame.wall_solid.map(|n| format!("solid {n} are the walls of the domain")));
+            write(&file("contact_line"), &mesh)?;
+        }
+        Ok(liquid)
+    }
+}
+
+fn write(path: &Path, mesh: &PlyMesh) -> Result<(), FileError> {
+    atomic_file::write_atomically(path, |writer| mesh.write(writer))
+}
+
+fn ply(mesh: &FrameMesh, frame: &Frame) -> PlyMesh {
+    let mut comments = vec![
+        concat!("Meniscus ", env!("CARGO_PKG_VERSION")).into(),
+        format!("time {:?}", frame.time),
+        "unit metre".into(),
+    ];
+    comments.extend(mesh.attributes.iter().filter_map(comment));
+    PlyMesh {
+        positions: mesh.positions.clone(),
+        faces: mesh.triangles.clone(),
+        edges: mesh.edges.clone(),
+        scalars: mesh.attributes.iter().map(|a| (a.name.to_string(), a.values.clone())).collect(),
+        comments,
+    }
+}
+
+/// The comment that describes an attribute. Those of the first version keep their text, some of it for several attributes.
+fn comment(attribute: &Attribute) -> Option<String> {
+    let text = match attribute.name {
+        "kind" => "kind 0 liquid-air, 1 liquid-solid, 2 contact line",
+        "phi_c" => "phi_c distance to the contact line along the surface, negative where wetted",
+        "ux" => "ux uy uz way from the place at rest, strain largest |stretch - 1|",
+        "young" => "young contact angle at rest in degrees",
+        "angle" => "angle in degrees through the liquid, speed in m/s, force in N/m",
+        "uy" | "uz" | "strain" | "speed" | "fx" | "fy" | "fz" | "solid" => return None,
+        _ => return Some(format!("{} {}, {}", attribute.name, attribute.meaning, attribute.unit)),
+    };
+    Some(text.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn attributes_are_described_in_comments() {
+        let attribute = |name, unit, meaning| Attribute { name, unit, meaning, values: vec![1.0] };
+        let line = FrameMesh {
+            positions: vec![[0.0; 3]],
+            attributes: vec![
+                attribute("angle", "deg", "contact angle"),
+                attribute("speed", "m/s", "speed"),
+                attribute("curvature", "1/m", "curvature of the line"),
+            ],
+            ..FrameMesh::default()
+        };
+        let (time, liquid, contact_line) = (0.25, FrameMesh::default(), Some(line.clone()));
+        let frame = Frame { time, liquid, solids: Vec::new(), contact_line, wall_solid: None };
+        let mesh = ply(&line, &frame);
+        let told = [
+            "time 0.25",
+            "unit metre",
+            "angle in degrees through the liquid, speed in m/s, force in N/m",
+            "curvature curvature of the line, 1/m",
+        ];
+        assert_eq!(mesh.comments[1..], told);
+        assert!(["angle", "curvature", "speed"].iter().eq(mesh.scalars.keys()));
+    }
+}
