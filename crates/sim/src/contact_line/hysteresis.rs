@@ -23,7 +23,7 @@ pub fn pin_contact_lines<const D: usize>(model: &Model<D>, state: &State<D>, wor
         let (solid, now) = (&model.solids[number as usize], &state.solids[number as usize]);
         let normal = solid.normal(now, place, 0.01 * dx);
         let height =
-            |x: &Vector<D>| model.height_above_solid(&state.solids, number as usize, (place, &normal), x);
+            |x: &Vector<D>| model.height_above_solid(&state.solids, number as usize, place, &normal, x);
         let foot = Foot { at: *place, normal, dx, bond_vector: model.cell_bond_vector(), height: &height };
         let angle = contact_angle(&phi, &foot);
         let young = solid.young_cosine_near(now, place, dx);

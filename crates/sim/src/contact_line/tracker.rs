@@ -162,7 +162,7 @@ impl<'a, const D: usize> LineSampler<'a, D> {
         let (_, slope) =
             self.phi.distance_with_gradient(&(foot + normal * (UPPER_SAMPLE_HEIGHT_CELLS * self.dx)));
         let outward = (slope - normal * slope.dot(&normal)).try_normalize(0.0).unwrap_or(Vector::zeros());
-        let height = |x: &Vector<D>| self.model.height_above_solid(self.solids, number, (&foot, &normal), x);
+        let height = |x: &Vector<D>| self.model.height_above_solid(self.solids, number, &foot, &normal, x);
         let foot = Foot {
             at: foot,
             normal,

@@ -56,7 +56,8 @@ impl<const D: usize> Model<D> {
         &self,
         now: &[SolidState<D>],
         solid: usize,
-        (foot, normal): (&Vector<D>, &Vector<D>),
+        foot: &Vector<D>,
+        normal: &Vector<D>,
         x: &Vector<D>,
     ) -> f64 {
         match self.wetting_wall_solid() == Some(solid) {
