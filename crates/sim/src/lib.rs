@@ -22,7 +22,7 @@ pub use contact_line::tracker::{ContactLine, LinePoint, LineTracker};
 pub use flow::outflow::OPEN_SIDE_MARGIN_CELLS;
 pub use flow::prescribed::PrescribedFlow;
 pub use model::time_step::PhaseEnd;
-pub use model::{Model, Numerics, Wall};
+pub use model::{Model, Numerics, Scheme, Wall};
 pub use repairs::{Quantity, Repairs};
 pub use simulation::diagnostics::{Diagnostics, StepReport};
 pub use simulation::{LiquidRegion, Simulation, StepError};

@@ -234,6 +234,7 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
         gravity: vector(&scene.liquid.gravity),
         solids: Vec::new(),
         numerics: Numerics {
+            scheme: meniscus_sim::Scheme::Meniscus,
             cfl: n.cfl,
             capillary_step: n.capillary_step,
             max_step: n.max_step,

@@ -4,4 +4,4 @@ pub mod parameters;
 pub mod resolution;
 pub mod time_step;
 
-pub use parameters::{Model, Numerics, Wall};
+pub use parameters::{Model, Numerics, Scheme, Wall};

@@ -38,9 +38,18 @@ pub struct Model<const D: usize> {
     pub numerics: Numerics,
 }
 
+/// Scheme of a time step. A further one is an arm here and a function beside [`crate::simulation::step`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// Positions first, then one coupled solve for pressure and solids.
+    Meniscus,
+}
+
 /// Parameters of the discretisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numerics {
+    /// Scheme of a time step.
+    pub scheme: Scheme,
     /// Courant number: largest displacement in a step, in cells.
     pub cfl: f64,
     /// Largest step as a multiple of the explicit capillary limit ([`Model::capillary_dt_limit`]).
@@ -69,6 +78,7 @@ pub struct Numerics {
 impl Default for Numerics {
     fn default() -> Self {
         Self {
+            scheme: Scheme::Meniscus,
             cfl: 0.7,
             capillary_step: 5.0,
             max_step: f64::INFINITY,

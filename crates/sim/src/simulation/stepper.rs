@@ -5,13 +5,13 @@ use super::diagnostics::{
     update_diagnostics,
 };
 use super::dimension::by_dimension;
-use super::step::{StepResult, step};
+use super::step::{StepResult, step as meniscus_step};
 use super::transport::restore_signed_distance;
 use super::workspace::{Snapshot, Workspace};
 use crate::contact_line::sampling::phi_at_solid;
-use crate::model::Model;
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::model::time_step::{PhaseEnd, next_dt, stable_dt, uniform_dt};
+use crate::model::{Model, Scheme};
 use crate::repairs::Repairs;
 use crate::solid::Solid;
 use crate::state::State;
@@ -224,6 +224,9 @@ impl<const D: usize> Simulation<D> {
         loop {
             self.workspace.repairs = Repairs::default();
             let snapshot = Snapshot::take(&self.model, &self.state, &mut self.workspace);
+            let step = match self.model.numerics.scheme {
+                Scheme::Meniscus => meniscus_step,
+            };
             let result = step(&self.model, &mut self.state, &mut self.workspace, dt, phase_end);
             let failure = match result.map(|result| (self.judge(&start, &result, dt), result)) {
                 Ok((Verdict::Accepted { doubtful }, result)) => {
