@@ -38,7 +38,7 @@ pub struct Model<const D: usize> {
     pub numerics: Numerics,
 }
 
-/// Scheme of a time step. A further one is an arm here and a function beside [`crate::simulation::step`].
+/// Scheme of a time step. A further one is an arm here and a function beside `step` in `simulation/step.rs`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// Positions first, then one coupled solve for pressure and solids.
