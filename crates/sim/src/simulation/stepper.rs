@@ -297,7 +297,8 @@ impl<const D: usize> Simulation<D> {
     }
 
     fn choose_dt(&self, mut wanted: f64, max_dt: f64) -> f64 {
-        if self.model.numerics.fixed_step.is_none() && self.state.last_dt > 0.0 {
+        // A constant step that follows a halved one is longer than what solids were kept apart for, too.
+        if self.state.last_dt > 0.0 {
             wanted = wanted.min(self.state.collision_free_dt);
         }
         if self.model.numerics.fixed_step.is_some() || self.state.last_dt == 0.0 {
