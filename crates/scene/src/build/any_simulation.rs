@@ -8,7 +8,7 @@ use crate::output::frame::{Frame, FrameExtractor, NotFinite};
 use meniscus_numerics::Vector;
 use meniscus_sim::{Diagnostics, Simulation, StepError, StepReport};
 
-/// A time this close to the one asked for, relative to it, counts as reached.
+/// Relative difference of two times that counts as rounding: that of a sum of 10⁴ steps, each with the error 1e-16.
 const TIME_TOLERANCE: f64 = 1e-12;
 
 /// A simulation in two or three dimensions. Vectors of results have three entries; in 2D the third one is 0.

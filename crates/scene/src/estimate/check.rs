@@ -172,7 +172,7 @@ pub fn check(scene: &Scene, threads: usize) -> Report {
     }
 }
 
-/// What is known of a scene only once its setup is built.
+/// Results of `check` that need the built setup: grid, meshes and displaced liquid.
 struct BuiltReport {
     displaced: Vec<DisplacedBody>,
     thin_liquid: Option<f64>,

@@ -67,7 +67,7 @@ fn force_columns(solid: &str) -> impl Iterator<Item = String> {
     ["x", "y", "z"].into_iter().map(move |axis| format!("force_{solid}_{axis}"))
 }
 
-/// What a row has from the run, not from its step alone.
+/// Values of a row that depend on the whole run so far, not on its step alone.
 pub struct RunValues {
     /// Relative momentum error at the end of the step.
     pub momentum_error: f64,

@@ -47,7 +47,7 @@ pub enum CheckpointError {
     },
 }
 
-/// What a checkpoint holds: `S` is the state, or a reference to it where it is written.
+/// Data in the blocks of a checkpoint. `S` is the state when it is read, and a reference to it when it is written.
 #[derive(Serialize, Deserialize)]
 struct Content<S> {
     scene: u64,

@@ -32,7 +32,7 @@ pub struct SolidResponse<const D: usize> {
     loads: BaseLoads<D>,
 }
 
-/// What changes the nodes' velocities without the pressure.
+/// Impulses and prescribed velocity changes of the nodes apart from the pressure.
 #[derive(Debug)]
 pub struct BaseLoads<const D: usize> {
     /// Impulses on the nodes, N s.

@@ -323,7 +323,7 @@ impl<const D: usize> ComponentFaces<'_, D> {
         MomentumRestoration { moments: self.moments(velocity), ..restored }
     }
 
-    /// What a group with these `moments` lacks of its `target` motion and of the velocity by gravity.
+    /// Difference between the `target` motion of a group, accelerated by gravity, and its motion of these `moments`.
     fn lacking_motion(
         &self,
         group: &ComponentGroup<D>,

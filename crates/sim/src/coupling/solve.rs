@@ -36,7 +36,7 @@ pub struct PressureSolution<const D: usize> {
     pub newton_iterations: u64,
 }
 
-/// What the pressure solve of a step must know beside state and grid.
+/// Inputs of the pressure solve beside model, state and workspace.
 pub struct PressureStep<'a, const D: usize> {
     /// The solids before the forces of this step.
     pub solids_before: &'a [SolidState<D>],

@@ -60,7 +60,8 @@ pub struct Numerics {
     pub tolerance: f64,
     /// Largest number of iterations of the pressure solve.
     pub max_iterations: usize,
-    /// Constant step length, s, without any other bound; for studies of the step length.
+    /// Constant step length, s, without bounds by stability; for studies of the step length. A step that fails is halved, and the
+    /// length then grows back by at most a quarter a step.
     pub fixed_step: Option<f64>,
     /// Restores the momentum that the discretisation loses; off only in studies of that loss.
     pub restore_momentum: bool,

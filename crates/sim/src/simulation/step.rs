@@ -42,7 +42,7 @@ pub struct StepResult {
     pub volume_error_cells: f64,
 }
 
-/// What the forces of a step act with.
+/// Durations of a step, and the displacement of the interface in it, for [`apply_forces`].
 struct ForceStep<const D: usize> {
     /// Step length, s.
     dt: f64,

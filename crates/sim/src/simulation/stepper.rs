@@ -80,7 +80,7 @@ const MAX_DISPLACEMENT_CELLS: f64 = 30.0;
 /// Displacement in a step and height of fall, in cells, whose energy is treated as rounding.
 const NEGLIGIBLE_DISPLACEMENT_CELLS: f64 = 1e-6;
 
-/// What a step is judged by: the state before it.
+/// Quantities of the state before a step, with which the state after it is compared.
 struct StepStart {
     /// Time, s.
     time: f64,
@@ -96,7 +96,7 @@ struct StepStart {
     min_dt: f64,
 }
 
-/// What becomes of a step.
+/// Decision on a step that has been taken.
 enum Verdict {
     /// It counts; if it is doubtful, it is too short to be tried once more.
     Accepted { doubtful: bool },
@@ -296,8 +296,9 @@ impl<const D: usize> Simulation<D> {
         }
     }
 
+    /// Length of the next step, s, at most `wanted` and `max_dt`. No step, not even a constant one after a halved one, is longer
+    /// than the time over which contacts and elements were looked ahead.
     fn choose_dt(&self, mut wanted: f64, max_dt: f64) -> f64 {
-        // A constant step that follows a halved one is longer than what solids were kept apart for, too.
         if self.state.last_dt > 0.0 {
             wanted = wanted.min(self.state.collision_free_dt);
         }
@@ -400,3 +401,22 @@ macro_rules! of_dimension {
 
 of_dimension!(2, workspace_2, open_2, step_2);
 of_dimension!(3, workspace_3, open_3, step_3);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meniscus_numerics::grid::Grid;
+
+    /// A constant step that fails is halved, and contacts are then looked ahead for the halved length.
+    #[test]
+    fn a_constant_step_stays_within_the_look_ahead() {
+        let mut model = Model::of_test(Grid::<2>::new([16; 2], 1.0), Vec::new());
+        model.numerics.fixed_step = Some(0.1);
+        let pool = |x: &Vector<2>| x[1] - 8.3;
+        let body = LiquidRegion { signed_distance: &pool, velocity: Vector::zeros() };
+        let mut simulation = Simulation::new(model, &[body]);
+        assert_eq!(simulation.choose_dt(0.1, f64::INFINITY), 0.1);
+        (simulation.state.last_dt, simulation.state.collision_free_dt) = (0.05, 0.0625);
+        assert_eq!(simulation.choose_dt(0.1, f64::INFINITY), 0.0625);
+    }
+}

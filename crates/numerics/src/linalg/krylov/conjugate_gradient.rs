@@ -11,7 +11,8 @@ use super::restart::{Start, with_restarts};
 use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
 use crate::linalg::vectors;
 
-/// Growth of the square of the residual from which on the iteration counts as divergent.
+/// Growth of the square of the residual above which the iteration counts as divergent. The iterate loses as many digits as the
+/// residual gains: here six of sixteen.
 const MAX_RESIDUAL_GROWTH: f64 = 1e12;
 
 /// Solves `A x = b` by preconditioned conjugate gradients, starting from the `x` passed in.

@@ -6,7 +6,7 @@
 use crate::linalg::operator::{LinearOperator, SolveError, SolveLimits, SolveReport};
 use crate::linalg::vectors;
 
-/// What a recursion starts from. The residual lies in the first work vector, relative to the right-hand side.
+/// Initial data of a recursion. The first work vector holds the residual, divided by the norm of the right-hand side.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
     /// Norm of the right-hand side.

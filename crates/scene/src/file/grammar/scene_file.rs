@@ -191,7 +191,7 @@ pub struct NumericsFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub newton_iterations: Option<u32>,
     /// Constant step, above 0, without any bound by stability. Only a step that fails is repeated with half the
-    /// length.
+    /// length, which then grows back by at most a quarter a step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fixed_step: Option<Time>,
     /// Whether the momentum that the discretisation loses is restored; `true` by default.

@@ -61,6 +61,7 @@ fn labelled_checks(part: &str, checks: Result<Vec<Check>, StepError>) -> Vec<Che
 
 /// The solids' material.
 const MATERIAL: SoftMaterial = SoftMaterial { young: 1000.0, poisson: 0.4, density: 2.0, damping: 0.1 };
+/// Coulomb friction coefficient of the solids.
 const FRICTION: f64 = 0.3;
 
 /// A simulation without domain walls.
