@@ -37,7 +37,7 @@ impl SoftMaterial {
     /// A solid with a mesh, by itself.
     ///
     /// # Errors
-    /// What the mesh lacks.
+    /// [`ElasticError`], if no elastic solid can be made of the mesh.
     pub fn elastic<const D: usize>(
         self,
         mesh: VolumeMesh<D>,
@@ -49,7 +49,7 @@ impl SoftMaterial {
     /// A solid of a shape, on a mesh with edges of the given length, whose vertices are held where `held` is true.
     ///
     /// # Errors
-    /// What the mesh lacks.
+    /// [`ElasticError`], if no elastic solid can be made of the mesh.
     pub fn solid<const D: usize>(
         self,
         shape: Shape<D>,

@@ -99,7 +99,7 @@ pub fn point_at<const D: usize>(first: f64, last: f64) -> Vector<D> {
 /// A deformable solid with a coefficient of friction.
 ///
 /// # Errors
-/// What the mesh lacks.
+/// The mesh makes no elastic solid.
 pub fn soft<const D: usize>(
     mesh: VolumeMesh<D>,
     material: SoftMaterial,

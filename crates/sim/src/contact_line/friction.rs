@@ -103,7 +103,7 @@ pub struct LineFriction<'a, const D: usize> {
     pub solids_before: &'a [SolidState<D>],
     /// The dual cells with interface or wetted solid.
     pub dual_cells: &'a [DualCell],
-    /// What the solids cut.
+    /// Cells and faces that the solids cut.
     pub cut_cells: &'a CutCells<D>,
     /// Impulse time, s.
     pub impulse_time: f64,

@@ -36,7 +36,7 @@ pub struct PressureFields<const D: usize> {
     backend: Box<dyn PressureBackend<D>>,
 }
 
-/// What the projection assembles of a pressure system, by cell.
+/// Coefficients of the pressure system by cell, as the projection assembles them.
 struct AssembledFields<const D: usize> {
     /// Sum of the coefficients toward known values.
     dirichlet: CellField<D>,

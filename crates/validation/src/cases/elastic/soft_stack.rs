@@ -70,7 +70,7 @@ fn height<const D: usize>(simulation: &Simulation<D>, solid: usize) -> f64 {
     sums[1] / sizes[1] - sums[0] / sizes[0]
 }
 
-/// What is measured of a stack after it has come to rest.
+/// Measurements of a stack at rest.
 struct StackMeasure {
     /// Sums over the steps of the accelerations that the contacts give the blocks, upwards over gravity.
     contact_loads: [f64; BLOCKS],
