@@ -1,8 +1,9 @@
 //! A shape bounded by a closed mesh.
 
+use crate::Vector;
+use crate::mesh::io::ReadFile;
 use crate::mesh::io::import::{self, ImportError};
 use crate::mesh::{FacetBvh, SurfaceMesh};
-use crate::{Matrix, Vector};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -25,25 +26,18 @@ impl<const D: usize> MeshShape<D> {
         Self { surface, tree }
     }
 
-    /// Reads a file (its coordinates in m), checks it, scales it, rotates it about the origin and moves it by
-    /// `translate` (m).
+    /// Reads a file (its coordinates in m) and checks it. `read` gives the content of the file.
     ///
     /// # Errors
     /// [`ImportError`] describes the defect of the file and how to repair it.
-    pub fn load(
-        path: &Path,
-        scale: f64,
-        rotation: &Matrix<D>,
-        translate: &Vector<D>,
-    ) -> Result<Self, ImportError> {
-        let read = Self::new(import::load(path)?);
-        if let Some(at) = read.self_intersection() {
-            return Err(ImportError::SelfIntersection {
-                path: path.to_owned(),
-                at: at.iter().copied().collect(),
-            });
+    pub fn load(path: &Path, read: ReadFile) -> Result<Self, ImportError> {
+        let shape = Self::new(import::load(path, read)?);
+        match shape.self_intersection() {
+            None => Ok(shape),
+            Some(at) => {
+                Err(ImportError::SelfIntersection { path: path.to_owned(), at: at.iter().copied().collect() })
+            }
         }
-        Ok(Self::new(read.surface.transformed(scale, rotation, translate)))
     }
 
     /// A point, m, where the surface intersects or touches itself: there its winding number is not 1 just inside, or not

@@ -27,7 +27,7 @@ pub fn anchors<const D: usize>(
     let mut anchor_of_vertex: Vec<Option<usize>> = vec![None; mesh.positions.len()];
     let mut anchors: Vec<Anchor<D>> = Vec::new();
     for (key, region, motion) in fixed.chain(moved) {
-        let region = shape::<D>(region).map_err(|e| at(&key, e))?;
+        let region = shape::<D>(region, &scene.files).map_err(|e| at(&key, e))?;
         let inside =
             Anchor::within(mesh, |x| region.signed_distance(x) <= ANCHOR_TOLERANCE_EDGES * spec.mesh_edge);
         let refuse = |message: &str, help: &str| Err(at(&key, SceneError::new(message).with_help(help)));

@@ -4,7 +4,8 @@ use super::shapes::shape;
 use crate::error::SceneError;
 use crate::estimate::stiffness::check_stiffness;
 use crate::file::{
-    Elastic as Constants, Material, Scene, ShapeSpec, Solid as SolidSpec, SolidTension, rotation, vector,
+    Elastic as Constants, Material, Scene, SceneFiles, ShapeSpec, Solid as SolidSpec, SolidTension, rotation,
+    vector,
 };
 use meniscus_elastic::{
     ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, SurfaceTension,
@@ -28,7 +29,7 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
         ConstitutiveLaw::Springs { .. } => ElementOrder::Linear,
         ConstitutiveLaw::NeoHookean { order, .. } | ConstitutiveLaw::Corotated { order, .. } => order,
     };
-    let mesh = mesh::<D>(&spec.shape, spec.mesh_edge, order).map_err(|message| {
+    let mesh = mesh::<D>(spec, order, &scene.files).map_err(|message| {
         let error = SceneError::new(format!("the solid `{}` cannot be meshed: {message}", spec.name));
         scene.source.at_value(error, &scene.source.first_inside(&at("shape")))
     })?;
@@ -111,11 +112,16 @@ fn law(spec: &SolidSpec) -> Option<(ConstitutiveLaw, f64)> {
     }
 }
 
-/// Meshes a shape with vertex spacing `edge`, m; the error is a message. Elements of a file are kept; quadratic elements add
-/// vertices at the midpoints of its edges.
-fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64, order: ElementOrder) -> Result<VolumeMesh<D>, String> {
+/// Meshes a solid; the error is a message. Elements of a file are kept; quadratic elements add vertices at the midpoints of its
+/// edges.
+fn mesh<const D: usize>(
+    solid: &SolidSpec,
+    order: ElementOrder,
+    files: &SceneFiles,
+) -> Result<VolumeMesh<D>, String> {
+    let (spec, edge) = (&solid.shape, solid.mesh_edge);
     if spec.volume_file().is_some() {
-        let mesh = super::shapes::file_volume_mesh::<D>(spec)?;
+        let mesh = super::shapes::file_volume_mesh::<D>(spec, files)?;
         return Ok(if order == ElementOrder::Quadratic { mesh.subdivided() } else { mesh });
     }
     if let ShapeSpec::Extrusion { outline, thickness, center, rotation: turned } = spec {
@@ -123,6 +129,6 @@ fn mesh<const D: usize>(spec: &ShapeSpec, edge: f64, order: ElementOrder) -> Res
         let mesh = VolumeMesh::of_outline(&flat, &vector(center), *thickness, &rotation(turned), edge, order);
         return mesh.map_err(|e| e.to_string());
     }
-    let shape = shape::<D>(spec).map_err(|e| e.to_string())?;
+    let shape = shape::<D>(spec, files).map_err(|e| e.to_string())?;
     VolumeMesh::of_shape(&shape, edge, order).map_err(|e| e.to_string())
 }

@@ -5,7 +5,7 @@ use super::shapes::{shape, signed_distance_fn};
 use super::thickness::pad_thin_solids;
 use crate::error::SceneError;
 use crate::estimate::parameters::parameters;
-use crate::file::{Bounds, Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, vector};
+use crate::file::{Bounds, Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, builtin_name, vector};
 use crate::job::{ExistingRun, Job, Schedule, Stop};
 use crate::output::Folder;
 use crate::output::frame::frame_writer;
@@ -93,12 +93,13 @@ fn identity(scene: &Scene) -> u64 {
     let parts = (name, domain, liquid, solids, tension, contact_line, numerics, output.frame_interval);
     let mut sum = Checksum::default();
     sum.update(format!("{parts:?}").as_bytes());
-    // Files that cannot be read are built in, or are reported when the solid is built.
-    files(scene).iter().filter_map(|file| std::fs::read(file).ok()).for_each(|bytes| sum.update(&bytes));
+    // Files that cannot be read are reported when the solid is built.
+    let contents = files(scene).into_iter().filter_map(|file| scene.files.content(&file).ok());
+    contents.for_each(|content| sum.update(&content));
     sum.value()
 }
 
-/// The files that a scene refers to.
+/// The files that a scene refers to, without those that are built in.
 fn files(scene: &Scene) -> Vec<PathBuf> {
     let of_solid = |s: &SolidSpec| {
         let moved = s.moved.iter().map(|m| m.shape.clone());
@@ -118,7 +119,8 @@ fn files(scene: &Scene) -> Vec<PathBuf> {
     };
     let meshes = shapes.iter().flat_map(ShapeSpec::parts).flat_map(mesh);
     let images = scene.tension.solids.iter().filter_map(|(_, w)| Some(w.image.as_ref()?.path.clone()));
-    meshes.chain(images).collect()
+    let is_builtin = |path: &PathBuf| path.to_str().and_then(builtin_name).is_some();
+    meshes.chain(images).filter(|path| !is_builtin(path)).collect()
 }
 
 /// The setup of a scene of dimension `D`.
@@ -126,7 +128,8 @@ fn files(scene: &Scene) -> Vec<PathBuf> {
 /// # Errors
 /// [`SceneError`] for a shape that cannot be made.
 pub fn setup<const D: usize>(scene: &Scene) -> Result<Setup<D>, SceneError> {
-    let bodies = scene.liquid.bodies.iter().map(|b| Ok((signed_distance_fn(&b.shape)?, vector(&b.velocity))));
+    let bodies = scene.liquid.bodies.iter();
+    let bodies = bodies.map(|b| Ok((signed_distance_fn(&b.shape, &scene.files)?, vector(&b.velocity))));
     let solids = scene.solids.iter().map(|s| solid(scene, s)).collect::<Result<_, _>>()?;
     let bodies = bodies.collect::<Result<_, SceneError>>()?;
     let model = Model { solids, ..model(scene) };
@@ -251,7 +254,7 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
 
 /// A solid of a scene.
 fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, SceneError> {
-    let shape = shape(&spec.shape);
+    let shape = shape(&spec.shape, &scene.files);
     shape.iter().try_for_each(|shape| check_mesh_inside_domain(scene, spec, shape))?;
     let motion = match &spec.material {
         Material::Kinematic { velocity, angular_velocity, keyframes } => {

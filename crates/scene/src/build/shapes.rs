@@ -2,26 +2,28 @@
 
 use super::SignedDistanceFn;
 use crate::error::SceneError;
-use crate::file::{ShapeSpec, outline, rotation, vector};
+use crate::file::{SceneFiles, ShapeSpec, outline, rotation, vector};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_numerics::mesh::volume::read;
 use meniscus_numerics::shape::{MeshShape, Shape, SmoothUnion};
 use std::sync::Arc;
 
-/// The signed distance of a shape.
+/// The signed distance of a shape; `files` has its mesh files.
 ///
 /// # Errors
 /// [`SceneError`] for a shape that cannot be made.
-pub fn signed_distance_fn<const D: usize>(spec: &ShapeSpec) -> Result<SignedDistanceFn<D>, SceneError> {
+pub fn signed_distance_fn<const D: usize>(
+    spec: &ShapeSpec,
+    files: &SceneFiles,
+) -> Result<SignedDistanceFn<D>, SceneError> {
     match spec {
         ShapeSpec::Union(parts) => {
             let parts: Vec<SignedDistanceFn<D>> =
-                parts.iter().map(signed_distance_fn).collect::<Result<_, _>>()?;
+                parts.iter().map(|part| signed_distance_fn(part, files)).collect::<Result<_, _>>()?;
             Ok(Arc::new(move |x| parts.iter().map(|part| part(x)).fold(f64::INFINITY, f64::min)))
         }
         ShapeSpec::Difference { of, minus } => {
-            let (of, minus) = (signed_distance_fn::<D>(of)?, signed_distance_fn::<D>(minus)?);
+            let (of, minus) = (signed_distance_fn::<D>(of, files)?, signed_distance_fn::<D>(minus, files)?);
             Ok(Arc::new(move |x| of(x).max(-minus(x))))
         }
         ShapeSpec::Wave { level, amplitude, wavelength, phase } => {
@@ -34,14 +36,15 @@ pub fn signed_distance_fn<const D: usize>(spec: &ShapeSpec) -> Result<SignedDist
             Ok(Arc::new(move |x: &Vector<D>| wave.signed_distance(x[0], x[D - 1])))
         }
         other => {
-            let shape = shape::<D>(other)?;
+            let shape = shape::<D>(other, files)?;
             Ok(Arc::new(move |x| shape.signed_distance(x)))
         }
     }
 }
 
-/// A shape of any kind except a wave.
-pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneError> {
+/// A shape of any kind except a wave; `files` has its mesh files.
+pub(crate) fn shape<const D: usize>(spec: &ShapeSpec, files: &SceneFiles) -> Result<Shape<D>, SceneError> {
+    let all = |parts: &[ShapeSpec]| parts.iter().map(|part| shape(part, files)).collect::<Result<_, _>>();
     Ok(match spec {
         ShapeSpec::Ball { center, radius } => Shape::Ball { center: vector(center), radius: *radius },
         ShapeSpec::Box { center, half_size, rotation: turned } => {
@@ -63,27 +66,24 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
             mode: *mode,
             amplitude: *amplitude,
         },
-        ShapeSpec::Union(parts) => Shape::Union(parts.iter().map(shape).collect::<Result<_, _>>()?),
+        ShapeSpec::Union(parts) => Shape::Union(all(parts)?),
         ShapeSpec::Difference { of, minus } => {
-            Shape::Difference { of: Box::new(shape(of)?), minus: Box::new(shape(minus)?) }
+            Shape::Difference { of: Box::new(shape(of, files)?), minus: Box::new(shape(minus, files)?) }
         }
-        ShapeSpec::SmoothUnion { parts, width } => Shape::SmoothUnion(SmoothUnion {
-            parts: parts.iter().map(shape).collect::<Result<_, _>>()?,
-            fillet_width: *width,
-        }),
+        ShapeSpec::SmoothUnion { parts, width } => {
+            Shape::SmoothUnion(SmoothUnion { parts: all(parts)?, fillet_width: *width })
+        }
         ShapeSpec::Cow { at, length, rotation: turned } => {
             Shape::SmoothUnion(SmoothUnion::cow(*length, &vector(at), &rotation(turned)))
         }
         ShapeSpec::Mesh { .. } if spec.volume_file().is_some() => {
-            let (surface, _) = file_volume_mesh::<D>(spec).map_err(SceneError::new)?.surface();
+            let (surface, _) = file_volume_mesh::<D>(spec, files).map_err(SceneError::new)?.surface();
             Shape::Mesh(Arc::new(MeshShape::new(surface)))
         }
         ShapeSpec::Mesh { path, scale, translate, rotation: turned } => {
-            let turned = rotation(turned);
-            let mesh = crate::file::read_mesh_file(path, |path| {
-                MeshShape::load(path, *scale, &turned, &vector(translate))
-            });
-            Shape::Mesh(Arc::new(mesh.map_err(SceneError::new)?))
+            let read = files.surface(path).map_err(SceneError::new)?;
+            let surface = read.surface().clone().transformed(*scale, &rotation(turned), &vector(translate));
+            Shape::Mesh(Arc::new(MeshShape::new(surface)))
         }
         ShapeSpec::Extrusion { outline: flat, thickness, center, rotation: turned } => {
             Shape::extrusion(&outline(flat)?, &vector(center), *thickness, &rotation(turned))
@@ -98,11 +98,14 @@ pub(crate) fn shape<const D: usize>(spec: &ShapeSpec) -> Result<Shape<D>, SceneE
 }
 
 /// The elements of a volume mesh file, in scene coordinates; the error is a message.
-pub(crate) fn file_volume_mesh<const D: usize>(spec: &ShapeSpec) -> Result<VolumeMesh<D>, String> {
+pub(crate) fn file_volume_mesh<const D: usize>(
+    spec: &ShapeSpec,
+    files: &SceneFiles,
+) -> Result<VolumeMesh<D>, String> {
     let ShapeSpec::Mesh { path, scale, translate, rotation: turned } = spec else {
         return Err("this shape is not read from a volume mesh file".to_owned());
     };
-    let mut mesh = crate::file::read_mesh_file(path, read::load::<D>)?;
+    let mut mesh = VolumeMesh::clone(&*files.volume::<D>(path)?);
     mesh.positions.iter_mut().for_each(|x| *x *= *scale);
     Ok(mesh.transformed(&rotation(turned), &vector(translate)))
 }
@@ -141,7 +144,7 @@ mod tests {
     #[test]
     fn distance_to_a_wave() {
         let spec = ShapeSpec::Wave { level: 1.0, amplitude: 0.05, wavelength: 1.0, phase: 0.3 };
-        let region = signed_distance_fn::<2>(&spec).unwrap();
+        let region = signed_distance_fn::<2>(&spec, &SceneFiles::default()).unwrap();
         let curve = |s: f64| 1.0 + 0.05 * (2.0 * std::f64::consts::PI * s + 0.3).cos();
         for (x, y) in [(0.2, 1.3), (0.7, 0.8), (0.5, 1.0), (0.0, 0.5)] {
             let nearest = (-2000..3000).map(|i| f64::from(i) * 1e-3).map(|s| (s - x).hypot(curve(s) - y));

@@ -3,10 +3,9 @@
 use super::shapes::shape;
 use crate::error::SceneError;
 use crate::file::vector;
-use crate::file::{self, Scene, SolidTension, Wetting, WettingImage};
+use crate::file::{self, Scene, SceneFiles, SolidTension, Wetting, WettingImage};
 use meniscus_sim::{CosineImage, Hysteresis, WettabilityLayer};
-use std::fs::File;
-use std::io::BufReader;
+use std::io::Cursor;
 use std::sync::Arc;
 
 /// Largest number of pixels of an image.
@@ -39,22 +38,22 @@ pub fn layers<const D: usize>(
         layers.push(WettabilityLayer::Gradient { from, to });
     }
     if let Some(image) = &wetting.image {
-        let picture = picture(image).map_err(|why| {
+        let picture = picture(image, &scene.files).map_err(|why| {
             let error = SceneError::new(format!("the image cannot be read: {why}"));
             scene.source.at_value(error, &format!("tension.{solid}.image.file"))
         })?;
         layers.push(WettabilityLayer::Image(Arc::new(picture)));
     }
     for (patch, angle) in &wetting.patches {
-        layers.push(WettabilityLayer::Patch { shape: shape(patch)?, cosine: angle.cos() });
+        layers.push(WettabilityLayer::Patch { shape: shape(patch, &scene.files)?, cosine: angle.cos() });
     }
     Ok(layers)
 }
 
 /// Reads an image as contact-angle cosines; the error is a message.
-fn picture(image: &WettingImage) -> Result<CosineImage, String> {
-    let file = File::open(&image.path).map_err(|e| e.to_string())?;
-    let mut decoder = png::Decoder::new_with_limits(BufReader::new(file), png::Limits { bytes: MAX_BYTES });
+fn picture(image: &WettingImage, files: &SceneFiles) -> Result<CosineImage, String> {
+    let file = files.content(&image.path).map_err(|e| e.to_string())?;
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(file), png::Limits { bytes: MAX_BYTES });
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
     let size = [reader.info().width as usize, reader.info().height as usize];

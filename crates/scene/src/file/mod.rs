@@ -1,6 +1,5 @@
 //! Scene files: the grammar as written, the resolved scene in SI units, and errors that point at the value.
 
-mod builtin_meshes;
 mod deserialize;
 mod document;
 mod grammar;
@@ -8,10 +7,10 @@ mod material;
 mod resolve;
 mod resolved;
 mod runnable;
+mod scene_files;
 mod source;
 mod write;
 
-pub(crate) use builtin_meshes::read as read_mesh_file;
 pub use document::Document;
 pub use grammar::{Format, OutlineName, SceneFile, Scheme, Side, Wall};
 pub use material::{Elastic, Material};
@@ -23,4 +22,6 @@ pub use resolved::{
 };
 pub(crate) use resolved::{outline, rotation, vector};
 pub use runnable::ensure_runnable;
+pub use scene_files::SceneFiles;
+pub(crate) use scene_files::builtin_name;
 pub use source::Source;

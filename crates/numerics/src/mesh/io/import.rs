@@ -5,6 +5,7 @@
 //! dropped, and an inverted surface is flipped. The direction of a polyline is ignored: its outermost loops are filled,
 //! loops within them are holes, and so on.
 
+use super::ReadFile;
 use super::ply::{PlyError, PlyMesh};
 use crate::Vector;
 use crate::mesh::SurfaceMesh;
@@ -140,13 +141,16 @@ struct RawSurface {
     facets: Vec<Vec<u32>>,
 }
 
-/// Reads and checks a closed surface and orients it outward; positions in m.
-pub fn load<const D: usize>(path: &Path) -> Result<SurfaceMesh<D>, ImportError> {
+/// Reads and checks a closed surface and orients it outward; positions in m. `read` gives the content of the file.
+///
+/// # Errors
+/// The file cannot be read or used; the message says how to repair it.
+pub fn load<const D: usize>(path: &Path, read: ReadFile) -> Result<SurfaceMesh<D>, ImportError> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let read = || std::fs::read(path).map_err(|source| ImportError::Read { path: path.into(), source });
+    let read = || read(path).map_err(|source| ImportError::Read { path: path.into(), source });
     let content = |what: String| ImportError::Content { path: path.into(), what };
     let (raw, tolerance) = match (ending.as_str(), D) {
-        ("ply", _) => (from_ply::<D>(path)?, 1e-9),
+        ("ply", _) => (from_ply::<D>(&read()?).map_err(content)?, 1e-9),
         ("obj", 2) => (obj_lines(&String::from_utf8_lossy(&read()?)).map_err(content)?, 1e-9),
         ("obj", _) => (obj_faces(&read()?).map_err(content)?, 1e-9),
         ("stl", 3) => (stl_faces(&read()?).map_err(content)?, 1e-6),
@@ -309,10 +313,10 @@ fn orient_loops<const D: usize>(mesh: &mut SurfaceMesh<D>) {
 }
 
 /// The faces (2D: edges) of a PLY file.
-fn from_ply<const D: usize>(path: &Path) -> Result<RawSurface, ImportError> {
-    let mesh = PlyMesh::load(path).map_err(|e| match e {
-        PlyError::Io { path, source } => ImportError::Read { path, source },
-        PlyError::Format { path, what } => ImportError::Content { path, what },
+fn from_ply<const D: usize>(bytes: &[u8]) -> Result<RawSurface, String> {
+    let mesh = PlyMesh::from_bytes(bytes).map_err(|e| match e {
+        PlyError::Io { source, .. } => source.to_string(),
+        PlyError::Format { what, .. } => what,
     })?;
     let facets = if D == 2 {
         mesh.edges.iter().map(|e| e.to_vec()).collect()

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::Matrix;
+use crate::mesh::io::read_from_disk;
 use crate::shape::{MeshShape, Shape};
 use std::sync::Arc;
 
@@ -12,6 +13,10 @@ fn file(name: &str, content: &[u8]) -> PathBuf {
     let path = folder.join(name);
     std::fs::write(&path, content).unwrap();
     path
+}
+
+fn load<const D: usize>(path: &Path) -> Result<SurfaceMesh<D>, ImportError> {
+    super::load(path, &read_from_disk)
 }
 
 /// A cube of side 2 about the origin: quads, outward.
@@ -108,9 +113,7 @@ fn mesh_import_names_the_defect() {
 
 #[test]
 fn a_surface_that_passes_through_itself_is_refused() {
-    let load = |text: &str| {
-        MeshShape::<3>::load(&file("two.obj", text.as_bytes()), 1.0, &Matrix::identity(), &Vector::zeros())
-    };
+    let load = |text: &str| MeshShape::<3>::load(&file("two.obj", text.as_bytes()), &read_from_disk);
     // The cube and a second one: beside it, overlapping it by half, or sharing a side with it.
     let pair = |shift: f64| {
         let vertex = |line: &str| {
@@ -137,7 +140,8 @@ fn mesh_shape_agrees_with_the_box_it_is() {
     let (s, c) = 0.3f64.sin_cos();
     let rotation = Matrix::<3>::from([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]);
     let center = Vector::from([0.2, 0.1, -0.3]);
-    let mesh = MeshShape::load(&path, 0.5, &rotation, &center).unwrap();
+    let mesh = MeshShape::load(&path, &read_from_disk).unwrap();
+    let mesh = MeshShape::new(mesh.surface().clone().transformed(0.5, &rotation, &center));
     let exact = Shape::Box { center, half_size: Vector::repeat(0.5), rotation };
     let mesh = Shape::Mesh(Arc::new(mesh));
     assert!((mesh.volume().unwrap() - 1.0).abs() < 1e-14);

@@ -10,6 +10,7 @@ use crate::file::resolved::{
     Body, Bounds, ContactLine, Domain, Liquid, Numerics, Output, Scene, ShapeSpec, Tensions, WALLS, Warnings,
     Wetting,
 };
+use crate::file::scene_files::SceneFiles;
 use crate::file::source::Source;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
@@ -99,6 +100,7 @@ fn resolve(file: SceneFile, source: Source, base: &Path, quality: Quality) -> Re
         expect,
         warnings: Warnings(r.warnings),
         source: r.source,
+        files: SceneFiles::default(),
     })
 }
 

@@ -2,12 +2,12 @@
 
 use super::resolver::Resolver;
 use crate::error::SceneError;
-use crate::file::builtin_meshes;
 use crate::file::grammar::{
     BoxFile, CylinderFile, Either, EllipsoidFile, ExtrusionFile, Length, MeshFile, PerturbedBallFile,
     RotationFile, ShapeFile, SmoothUnionFile, WaveFile,
 };
 use crate::file::resolved::{Outline, Rotation, ShapeSpec, VOLUME_EXTENSIONS};
+use crate::file::scene_files::{builtin_name, unknown_mesh_message};
 use std::path::{Path, PathBuf};
 
 impl Resolver {
@@ -304,8 +304,8 @@ impl Resolver {
 
     /// Absolute path of a mesh file; the name itself for a built-in one.
     fn mesh_file(&self, path: &str, name: &str, file: &Path) -> Result<PathBuf, SceneError> {
-        if let Some(of) = builtin_meshes::builtin_name(name) {
-            return match builtin_meshes::unknown_mesh_message(of) {
+        if let Some(of) = builtin_name(name) {
+            return match unknown_mesh_message(of) {
                 None => Ok(PathBuf::from(name)),
                 Some((message, help)) => Err(self.error(path, message, help)),
             };

@@ -6,6 +6,7 @@ use super::tension::{ContactLine, Tensions};
 use super::warning::Warnings;
 use crate::file::grammar::{Format, Scheme, Wall};
 use crate::file::material::Material;
+use crate::file::scene_files::SceneFiles;
 use crate::file::source::Source;
 use std::f64::consts::FRAC_PI_2;
 
@@ -43,6 +44,8 @@ pub struct Scene {
     pub warnings: Warnings,
     /// Source positions for errors; not part of equality.
     pub source: Source,
+    /// The files that the scene names; not part of equality.
+    pub files: SceneFiles,
 }
 
 /// The simulated box, from the origin to `size`.

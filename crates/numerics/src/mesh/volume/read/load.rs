@@ -6,6 +6,7 @@
 
 use super::reader::ReadFault;
 use crate::Vector;
+use crate::mesh::io::ReadFile;
 use crate::mesh::volume::read::error::VolumeImportError;
 use crate::mesh::volume::read::raw_mesh::RawMesh;
 use crate::mesh::volume::{Simplex, VolumeMesh};
@@ -14,15 +15,14 @@ use std::path::{Path, PathBuf};
 /// Volume of an element, over the power `D` of its longest edge, below which it is degenerate.
 const MIN_RELATIVE_VOLUME: f64 = 1e-9;
 
-/// Reads and checks a mesh; positions in m. It may have several components.
+/// Reads and checks a mesh; positions in m. It may have several components. `read` gives the content of a file.
 ///
 /// # Errors
 /// The file cannot be read or used; the message says how to repair it.
-pub fn load<const D: usize>(path: &Path) -> Result<VolumeMesh<D>, VolumeImportError> {
+pub fn load<const D: usize>(path: &Path, read: ReadFile) -> Result<VolumeMesh<D>, VolumeImportError> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let bytes = |path: &Path| {
-        std::fs::read(path).map_err(|source| VolumeImportError::Read { path: path.into(), source })
-    };
+    let bytes =
+        |path: &Path| read(path).map_err(|source| VolumeImportError::Read { path: path.into(), source });
     let (read, at) = match ending.as_str() {
         "msh" => (super::gmsh::read::<D>(&bytes(path)?), path.to_owned()),
         "vtk" => (super::vtk::read::<D>(&bytes(path)?), path.to_owned()),

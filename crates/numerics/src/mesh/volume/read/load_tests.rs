@@ -1,6 +1,7 @@
 //! Import of valid and broken files.
 
 use super::*;
+use crate::mesh::io::read_from_disk;
 use crate::mesh::volume::block::block;
 use std::fmt::Write;
 
@@ -11,6 +12,10 @@ fn file(name: &str, content: &[u8]) -> PathBuf {
     let path = folder.join(name);
     std::fs::write(&path, content).unwrap();
     path
+}
+
+fn load<const D: usize>(path: &Path) -> Result<VolumeMesh<D>, VolumeImportError> {
+    super::load(path, &read_from_disk)
 }
 
 fn example<const D: usize>() -> VolumeMesh<D> {
