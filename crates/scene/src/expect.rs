@@ -1,9 +1,10 @@
 //! Evaluates the `[expect]` section at the end of a run from the files in its folder.
 
-use crate::file::{Expectation, Scene, Side, WALLS};
+use crate::file::{Deflection, Expect, Scene, Side, WALLS, Wetted};
 use crate::output::summary::{SolidSummary, Summary, Verdict};
 use crate::output::time_series::TimeSeries;
 use crate::units::{format_four_digits, format_si};
+use std::f64::consts::FRAC_PI_2;
 
 /// Wetted share from which a surface counts as fully wetted; cells at a gap to the floor may count as dry.
 const FULLY_WETTED_SHARE: f64 = 0.98;
@@ -15,12 +16,16 @@ const OVERLAP_TOLERANCE_CELLS: f64 = 0.01;
 
 /// Evaluates every expectation of a scene and, where solids deform, the invariants: no element is inverted and nothing overlaps.
 pub fn evaluate(scene: &Scene, summary: &Summary, series: &TimeSeries) -> Vec<Verdict> {
-    let expected = scene.expect.iter().map(|expectation| verdict(expectation, summary, series));
-    expected.chain(solid_integrity(summary)).collect()
+    let expect = &scene.expect;
+    let mut verdicts = of_run(expect, summary, series);
+    verdicts.extend(of_liquid(expect, summary));
+    verdicts.extend(of_solids(expect, summary));
+    verdicts.extend(solid_integrity(summary));
+    verdicts
 }
 
-/// The invariants of deformable solids.
-fn solid_integrity(summary: &Summary) -> impl Iterator<Item = Verdict> {
+/// The invariants of deformable solids, the last ones of [`evaluate`].
+pub fn solid_integrity(summary: &Summary) -> impl Iterator<Item = Verdict> {
     let element = summary.least_element.map(|least| Verdict {
         quantity: "smallest ratio of an element's volume to its volume at rest".into(),
         bar: "above 0".into(),
@@ -34,52 +39,62 @@ fn solid_integrity(summary: &Summary) -> impl Iterator<Item = Verdict> {
     element.into_iter().chain(overlap)
 }
 
-fn verdict(expectation: &Expectation, summary: &Summary, series: &TimeSeries) -> Verdict {
-    match expectation {
-        Expectation::VolumeDrift { max } => {
-            at_most("volume drift", Some(summary.volume_error.abs()), *max, "")
-        }
-        Expectation::MomentumError { max } => at_most("momentum error", summary.momentum_error, *max, ""),
-        Expectation::EnergyGrowth { max } => at_most("energy growth", energy_growth(series), *max, ""),
-        Expectation::Repair { name, max } => {
-            let value =
-                summary.relative_repairs().find(|(found, _)| found == name).map(|(_, value)| value.abs());
-            at_most(&format!("repairs: {name}"), value, *max, "")
-        }
-        Expectation::MaxSpeed { max } => {
-            at_most("largest speed at the end", series.column("max_speed").last().copied(), *max, "m/s")
-        }
-        Expectation::Period { value, tolerance, .. } => {
-            within_tolerance("period", period(series), *value, tolerance * value, "s")
-        }
-        Expectation::Frequency { value, tolerance, .. } => {
-            within_tolerance("frequency", period(series).map(f64::recip), *value, tolerance * value, "Hz")
-        }
-        Expectation::Drops { min, max } => drop_count(summary, *min, *max),
-        Expectation::Reach { side, value, tolerance } => within_tolerance(
-            &format!("reach towards {side:?}").to_lowercase(),
-            reach(summary, *side),
-            *value,
-            *tolerance,
-            "m",
-        ),
-        Expectation::ContactAngle { solid, value, tolerance } => {
-            let found = match solid_named(summary, solid) {
-                Some(solid) => solid.contact_angle,
-                None => summary.wall_contact_angle.filter(|_| solid == WALLS),
-            };
-            let (value, tolerance) = (value.to_degrees(), tolerance.to_degrees());
-            within_tolerance(&format!("contact angle on {solid}"), found, value, tolerance, "deg")
-        }
-        Expectation::Floats { solid } => floats(summary, solid),
-        Expectation::Sinks { solid } => sinks(summary, solid),
-        Expectation::Wetted { solid, min, max } => wetted_share(summary, solid, *min, *max),
-        Expectation::Deflection { solid, min, max } => deflection(summary, solid, *min, *max),
-        Expectation::Position { solid, value, tolerance, along } => {
-            let off = solid_named(summary, solid).map(|s| distance(&s.centroid, value, along.as_deref()));
-            at_most(&format!("distance of {solid} from its expected position"), off, *tolerance, "m")
-        }
-    }
+/// Bounds of sums and repairs, and the rate of an oscillation.
+fn of_run(expect: &Expect, summary: &Summary, series: &TimeSeries) -> Vec<Verdict> {
+    let drift = Some(summary.volume_error.abs());
+    let speed = series.column("max_speed").last().copied();
+    let bounds = [
+        expect.volume_drift.map(|bound| at_most("volume drift", drift, bound.max, "")),
+        expect.momentum_error.map(|bound| at_most("momentum error", summary.momentum_error, bound.max, "")),
+        expect.energy_growth.map(|bound| at_most("energy growth", energy_growth(series), bound.max, "")),
+        expect.max_speed.map(|bound| at_most("largest speed at the end", speed, bound.max, "m/s")),
+        expect
+            .period
+            .map(|p| within_tolerance("period", period(series), p.value, p.tolerance * p.value, "s")),
+        expect.frequency.map(|f| {
+            let found = period(series).map(f64::recip);
+            within_tolerance("frequency", found, f.value, f.tolerance * f.value, "Hz")
+        }),
+    ];
+    let repairs = expect.repairs.bounds().into_iter().map(|(name, max)| {
+        let value =
+            summary.relative_repairs().find(|(found, _)| *found == name).map(|(_, value)| value.abs());
+        at_most(&format!("repairs: {name}"), value, max, "")
+    });
+    bounds.into_iter().flatten().chain(repairs).collect()
+}
+
+/// Drops, their reach, and contact angles.
+fn of_liquid(expect: &Expect, summary: &Summary) -> Vec<Verdict> {
+    let drops = expect.drops.map(|drops| drop_count(summary, drops.range()));
+    let reach = expect.reach.iter().map(|r| {
+        let quantity = format!("reach towards {:?}", r.side).to_lowercase();
+        within_tolerance(&quantity, reach(summary, r.side), r.value, r.tolerance, "m")
+    });
+    let angles = expect.contact_angle.iter().map(|expected| {
+        let found = match solid_named(summary, &expected.solid) {
+            Some(solid) => solid.contact_angle,
+            None => summary.wall_contact_angle.filter(|_| expected.solid == WALLS),
+        };
+        let (value, tolerance) =
+            (expected.value.unwrap_or(FRAC_PI_2).to_degrees(), expected.tolerance.to_degrees());
+        within_tolerance(&format!("contact angle on {}", expected.solid), found, value, tolerance, "deg")
+    });
+    drops.into_iter().chain(reach).chain(angles).collect()
+}
+
+fn of_solids(expect: &Expect, summary: &Summary) -> Vec<Verdict> {
+    let floats = expect.floats.iter().map(|solid| floats(summary, solid));
+    let sinks = expect.sinks.iter().map(|solid| sinks(summary, solid));
+    let wetted = expect.wetted.iter().map(|expected| wetted_share(summary, expected));
+    let position = expect.position.iter().map(|expected| {
+        let solid = solid_named(summary, &expected.solid);
+        let off = solid.map(|s| distance(&s.centroid, &expected.value, expected.along.as_deref()));
+        let quantity = format!("distance of {} from its expected position", expected.solid);
+        at_most(&quantity, off, expected.tolerance, "m")
+    });
+    let deflection = expect.deflection.iter().map(|expected| deflection(summary, expected));
+    floats.chain(sinks).chain(wetted).chain(position).chain(deflection).collect()
 }
 
 /// The solid of this name.
@@ -114,7 +129,7 @@ fn within_tolerance(
 }
 
 /// Number of drops at the end.
-fn drop_count(summary: &Summary, min: u32, max: u32) -> Verdict {
+fn drop_count(summary: &Summary, [min, max]: [u32; 2]) -> Verdict {
     let count = summary.drops.len() as f64;
     let bar = if min == max { min.to_string() } else { format_bounds(min, max) };
     let pass = count >= f64::from(min) && count <= f64::from(max);
@@ -148,7 +163,8 @@ fn sinks(summary: &Summary, name: &str) -> Verdict {
     }
 }
 
-fn wetted_share(summary: &Summary, name: &str, min: f64, max: f64) -> Verdict {
+fn wetted_share(summary: &Summary, expected: &Wetted) -> Verdict {
+    let (name, min, max) = (&expected.solid, expected.min.unwrap_or(0.0), expected.max.unwrap_or(1.0));
     let wetted = solid_named(summary, name).map(|s| s.wetted);
     Verdict {
         quantity: format!("wetted share of {name}"),
@@ -160,7 +176,9 @@ fn wetted_share(summary: &Summary, name: &str, min: f64, max: f64) -> Verdict {
 }
 
 /// Deflection of a solid, m.
-fn deflection(summary: &Summary, name: &str, min: f64, max: f64) -> Verdict {
+fn deflection(summary: &Summary, expected: &Deflection) -> Verdict {
+    let (name, min) = (&expected.solid, expected.min.unwrap_or(0.0));
+    let max = expected.max.unwrap_or(f64::INFINITY);
     let found = solid_named(summary, name).and_then(|s| s.deflection);
     let bar = match max.is_finite() {
         true => format!("{} to {}", format_value(min, "m"), format_value(max, "m")),

@@ -1,15 +1,26 @@
 //! The JSON Schema of scene files for editors, and the same as a Markdown page.
 
-use crate::file::SceneFile;
+use crate::file::Scene;
 use crate::output::markdown::{cell, one_line};
+use schemars::Schema;
+use schemars::generate::SchemaSettings;
+use schemars::transform::RecursiveTransform;
 use serde_json::Value;
 use std::collections::VecDeque;
 use std::fmt::Write as _;
 
 /// The JSON Schema of a scene file, as pretty JSON.
 pub fn json_schema() -> String {
-    let schema = schemars::schema_for!(SceneFile);
-    serde_json::to_string_pretty(&schema).unwrap_or_default()
+    serde_json::to_string_pretty(&schema()).unwrap_or_default()
+}
+
+/// The schema without defaults: some of them follow from other keys, and the descriptions name all.
+fn schema() -> Schema {
+    let without_default = |schema: &mut Schema| {
+        schema.remove("default");
+    };
+    let settings = SchemaSettings::default().with_transform(RecursiveTransform(without_default));
+    settings.into_generator().into_root_schema_for::<Scene>()
 }
 
 const HEAD: &str = "# The scene file\n\n\
@@ -27,22 +38,22 @@ const HEAD: &str = "# The scene file\n\n\
 
 /// The grammar as a page of Markdown: one section per table of a scene, in order of appearance.
 pub fn markdown() -> String {
-    let schema = schemars::schema_for!(SceneFile);
+    let schema = schema();
     let root = schema.as_value();
     let mut out = HEAD.to_owned();
-    let mut known = vec!["SceneFile".to_owned()];
-    let mut queue = VecDeque::from([("SceneFile".to_owned(), root)]);
+    let mut known = vec!["Scene".to_owned()];
+    let mut queue = VecDeque::from([("Scene".to_owned(), root.clone())]);
     while let Some((name, node)) = queue.pop_front() {
-        let title = if name == "SceneFile" { "The whole file" } else { &name };
+        let title = if name == "Scene" { "The whole file" } else { &name };
         let _ = write!(out, "\n## {title}\n\n");
         if let Some(text) = node["description"].as_str() {
             let _ = write!(out, "{}\n\n", one_line(text));
         }
         let mut found = Vec::new();
-        table(&mut out, node, &mut found);
-        for name in found {
+        table(&mut out, &node, &mut found);
+        for Found { name, node } in found {
             if !known.contains(&name) {
-                queue.push_back((name.clone(), &root["$defs"][&name]));
+                queue.push_back((name.clone(), node.unwrap_or_else(|| root["$defs"][&name].clone())));
                 known.push(name);
             }
         }
@@ -50,8 +61,14 @@ pub fn markdown() -> String {
     out
 }
 
-/// The keys or values of a definition. Adds the names of definitions that it refers to to `found`.
-fn table(out: &mut String, node: &Value, found: &mut Vec<String>) {
+/// A definition that another one refers to: by its name, or as a part of the other one.
+struct Found {
+    name: String,
+    node: Option<Value>,
+}
+
+/// The keys or values of a definition. Adds the definitions that it refers to to `found`.
+fn table(out: &mut String, node: &Value, found: &mut Vec<Found>) {
     let required: Vec<&str> =
         node["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
     let mut rows = Vec::new();
@@ -71,7 +88,9 @@ fn table(out: &mut String, node: &Value, found: &mut Vec<String>) {
     for one in node["oneOf"].as_array().into_iter().flatten() {
         for (key, value) in one["properties"].as_object().into_iter().flatten() {
             let text = [text_of(one), text_of(value)].into_iter().find(|t| !t.is_empty()).unwrap_or_default();
-            let _ = writeln!(out, "- `{key}`: {}. {text}", kind(value, found));
+            let kind =
+                if value["properties"].is_object() { part(key, one, found) } else { kind(value, found) };
+            let _ = writeln!(out, "- `{key}`: {kind}. {text}");
         }
         if one["properties"].is_null() {
             let text = text_of(one);
@@ -88,14 +107,25 @@ fn table(out: &mut String, node: &Value, found: &mut Vec<String>) {
     }
 }
 
+/// A link to the keys of one of several kinds, which have a section of their own.
+fn part(key: &str, one: &Value, found: &mut Vec<Found>) -> String {
+    let capital = |word: &str| word[..1].to_uppercase() + &word[1..];
+    let name: String = key.split('_').map(capital).collect();
+    let mut node = one["properties"][key].clone();
+    node["description"] = one["description"].clone();
+    let link = format!("[{name}](#{})", name.to_lowercase());
+    found.push(Found { name, node: Some(node) });
+    link
+}
+
 fn text_of(node: &Value) -> String {
     node["description"].as_str().map(cell).unwrap_or_default()
 }
 
 /// The type of a value in words.
-fn kind(node: &Value, found: &mut Vec<String>) -> String {
+fn kind(node: &Value, found: &mut Vec<Found>) -> String {
     if let Some(name) = node["$ref"].as_str().and_then(|r| r.rsplit('/').next()) {
-        found.push(name.to_owned());
+        found.push(Found { name: name.to_owned(), node: None });
         return format!("[{name}](#{})", name.to_lowercase());
     }
     for key in ["anyOf", "oneOf"] {

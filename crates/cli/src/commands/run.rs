@@ -9,7 +9,7 @@ use crate::stop::StopMonitor;
 use meniscus_scene::build::{AnySetup, displaced_liquid};
 use meniscus_scene::estimate::memory;
 use meniscus_scene::expect;
-use meniscus_scene::file::{Format, Scene};
+use meniscus_scene::file::{Expect, Format, Scene};
 use meniscus_scene::output::Folder;
 use meniscus_scene::output::summary::{Summary, Verdict};
 use meniscus_scene::output::time_series::TimeSeries;
@@ -70,9 +70,9 @@ fn load(args: &RunArgs) -> Result<Loaded> {
         loaded = scenes::load(&args.scene, &[duration(time)])?;
     }
     let output = &loaded.scene.output;
-    let last = args.frames.map_or(f64::INFINITY, |(_, b)| b as f64 * output.frame_interval);
+    let last = args.frames.map_or(f64::INFINITY, |(_, b)| b as f64 * output.frame_interval());
     if output.duration.min(last) < whole * (1.0 - 1e-9) && !loaded.scene.expect.is_empty() {
-        loaded.scene.expect.clear();
+        loaded.scene.expect = Expect::default();
         if !args.quiet && args.log == LogFormat::Text {
             eprintln!("the run is shorter than the scene's duration: [expect] is not checked");
         }
@@ -145,7 +145,8 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
     };
     report += shown.as_deref().unwrap_or_default();
     report += &repairs(&summary);
-    let (expected, always) = summary.expect.split_at(scene.expect.len());
+    let invariants = expect::solid_integrity(&summary).count();
+    let (expected, always) = summary.expect.split_at(summary.expect.len().saturating_sub(invariants));
     let (expected, always) = (expected.iter().map(|v| ("expect", v)), always.iter().map(|v| ("always", v)));
     let verdicts = expected.chain(always);
     if text {

@@ -53,7 +53,7 @@ pub fn step(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
             last = now;
         };
         let report = simulation
-            .step(scene.output.frame_interval, &mut phase_end)
+            .step(scene.output.frame_interval(), &mut phase_end)
             .map_err(|e| Failure::new(5, format!("{name}: {e}")))?;
         if i >= WARM_UP_STEPS {
             seconds += start.elapsed().as_secs_f64();

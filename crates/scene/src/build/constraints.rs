@@ -99,7 +99,7 @@ fn prescribed_motion<const D: usize>(moved: &Moved) -> AnchorMotion<D> {
     match moved.keyframes.is_empty() {
         true => AnchorMotion::Velocity(vector(&moved.velocity)),
         false => {
-            AnchorMotion::Keyframes(moved.keyframes.iter().map(|(time, to)| (*time, vector(to))).collect())
+            AnchorMotion::Keyframes(moved.keyframes.iter().map(|k| (k.time, vector(&k.translate))).collect())
         }
     }
 }

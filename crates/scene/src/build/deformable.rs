@@ -63,10 +63,10 @@ fn dry_surface_tension(scene: &Scene, spec: &SolidSpec) -> Result<Option<f64>, S
         Err(scene.source.at_value(SceneError::new(message).with_help(help), "contact_line.neumann"))
     };
     let own = scene.tension.solids.iter().find(|(other, _)| other == name).map(|(_, w)| w);
-    match own.map(|wetting| (&wetting.tension, wetting.is_uniform())) {
-        Some((tension @ SolidTension::Energies { solid_air, .. }, true)) => {
-            if tension.young_cosine(scene.tension.liquid_air).abs() <= 1.0 {
-                return Ok(Some(*solid_air));
+    match own.map(|wetting| (wetting, wetting.tension(), wetting.is_uniform())) {
+        Some((wetting, SolidTension::Energies { solid_air, .. }, true)) => {
+            if wetting.young_cosine(scene.tension.liquid_air).abs() <= 1.0 {
+                return Ok(Some(solid_air));
             }
             let message = format!(
                 "no Neumann balance exists at a contact line on the solid `{name}`: `solid_air` and `liquid_solid` differ by \

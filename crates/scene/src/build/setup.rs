@@ -67,8 +67,8 @@ impl Job {
             name: scene.name.clone(),
             text,
             identity: identity(scene),
-            schedule: Schedule::new(output.frame_interval, output.duration),
-            frame_interval: output.frame_interval,
+            schedule: Schedule::new(output.frame_interval(), output.duration),
+            frame_interval: output.frame_interval(),
             frames: None,
             writers: output.formats.iter().filter_map(|format| frame_writer(*format)).collect(),
             checkpoint_every: output.checkpoint_every as u64,
@@ -90,7 +90,7 @@ pub(super) fn names_and_mesh_edges(scene: &Scene) -> Vec<(String, f64)> {
 fn identity(scene: &Scene) -> u64 {
     let Scene { name, domain, liquid, solids, tension, contact_line, numerics, output, .. } = scene;
     let numerics = crate::file::Numerics { threads: None, ..numerics.clone() };
-    let parts = (name, domain, liquid, solids, tension, contact_line, numerics, output.frame_interval);
+    let parts = (name, domain, liquid, solids, tension, contact_line, numerics, output.frame_interval());
     let mut sum = Checksum::default();
     sum.update(format!("{parts:?}").as_bytes());
     // Files that cannot be read are reported when the solid is built.
@@ -105,7 +105,7 @@ fn files(scene: &Scene) -> Vec<PathBuf> {
         let moved = s.moved.iter().map(|m| m.shape.clone());
         s.fixed.iter().cloned().chain(moved).chain([s.shape.clone()]).collect::<Vec<_>>()
     };
-    let patches = scene.tension.solids.iter().flat_map(|(_, w)| w.patches.iter().map(|p| p.0.clone()));
+    let patches = scene.tension.solids.iter().flat_map(|(_, w)| w.patches.iter().map(|p| p.shape.clone()));
     let bodies = scene.liquid.bodies.iter().map(|b| b.shape.clone());
     let shapes: Vec<ShapeSpec> =
         scene.solids.iter().flat_map(of_solid).chain(patches).chain(bodies).collect();
@@ -147,7 +147,7 @@ fn with_wetting_domain_walls<const D: usize>(scene: &Scene, model: Model<D>) -> 
     let (cosine, line) = (scene.domain.wall_contact_angle.cos(), &scene.contact_line);
     model.with_wetting_walls(
         cosine,
-        line.friction,
+        line.uniform_friction(),
         line.hysteresis.as_ref().map(super::wettability::hysteresis),
     )
 }
@@ -261,7 +261,7 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
             let mut angular_velocity_3d = [0.0; 3];
             let first = 3 - angular_velocity.len().min(3);
             angular_velocity_3d[first..].copy_from_slice(&angular_velocity[..3 - first]);
-            let keyframes = keyframes.iter().map(|(time, to)| (*time, vector(to))).collect();
+            let keyframes = keyframes.iter().map(|k| (k.time, vector(&k.translate))).collect();
             Motion::Prescribed(PrescribedMotion {
                 velocity: vector(velocity),
                 angular_velocity: angular_velocity_3d,
@@ -277,15 +277,14 @@ fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, Sc
     let mut solid = Solid::new(shape?, motion, spec.density.unwrap_or(scene.liquid.density));
     solid.initial_velocity = vector(&spec.velocity);
     let tension = scene.tension.solids.iter().find(|(name, _)| *name == spec.name);
-    (solid.restitution, solid.friction) = (spec.restitution, spec.friction);
+    (solid.restitution, solid.friction) = (spec.collision.restitution, spec.collision.friction);
     if !scene.contact_line.enabled {
         return Ok(solid);
     }
-    let own = scene.contact_line.friction_of.iter().find(|(name, _)| *name == spec.name);
-    solid.line_friction = own.map_or(scene.contact_line.friction, |(_, friction)| *friction);
+    solid.line_friction = scene.contact_line.friction_on(&spec.name);
     solid.hysteresis = scene.contact_line.hysteresis.as_ref().map(super::wettability::hysteresis);
     if let Some((_, wetting)) = tension {
-        solid.young_cosine = wetting.tension.young_cosine(scene.tension.liquid_air);
+        solid.young_cosine = wetting.young_cosine(scene.tension.liquid_air);
         solid.pattern = super::wettability::layers(scene, &spec.name, wetting)?;
     }
     Ok(solid)

@@ -33,8 +33,8 @@ pub fn layers<const D: usize>(
     wetting: &Wetting,
 ) -> Result<Vec<WettabilityLayer<D>>, SceneError> {
     let mut layers = Vec::new();
-    if let SolidTension::Gradient { from, to } = &wetting.tension {
-        let [from, to] = [from, to].map(|(at, angle)| (vector(at), angle.cos()));
+    if let SolidTension::Gradient { from, to } = wetting.tension() {
+        let [from, to] = [from, to].map(|end| (vector(&end.point), end.contact_angle.cos()));
         layers.push(WettabilityLayer::Gradient { from, to });
     }
     if let Some(image) = &wetting.image {
@@ -44,8 +44,9 @@ pub fn layers<const D: usize>(
         })?;
         layers.push(WettabilityLayer::Image(Arc::new(picture)));
     }
-    for (patch, angle) in &wetting.patches {
-        layers.push(WettabilityLayer::Patch { shape: shape(patch, &scene.files)?, cosine: angle.cos() });
+    for patch in &wetting.patches {
+        let (shape, cosine) = (shape(&patch.shape, &scene.files)?, patch.contact_angle.cos());
+        layers.push(WettabilityLayer::Patch { shape, cosine });
     }
     Ok(layers)
 }

@@ -256,14 +256,14 @@ fn unresolved_share(scene: &Scene, setup: &AnySetup, warnings: &mut Vec<Warning>
 fn expected_time_step(scene: &Scene, capillary: f64, speed: f64, radius: Option<f64>) -> f64 {
     let (n, l) = (&scene.numerics, &scene.liquid);
     if let Some(fixed) = n.fixed_step {
-        return fixed.min(scene.output.frame_interval);
+        return fixed.min(scene.output.frame_interval());
     }
     let height = scene.domain.size.last().copied().unwrap_or(0.0);
     let fall_speed = (norm(&l.gravity) * height).sqrt();
     let capillary_speed = radius.map_or(0.0, |r| (scene.tension.liquid_air / (l.density * r)).sqrt());
     let fastest = speed.max(fall_speed).max(0.5 * capillary_speed);
     let cfl = if fastest > 0.0 { n.cfl * scene.domain.dx / fastest } else { f64::INFINITY };
-    (n.capillary_step * capillary).min(cfl).min(n.max_step).min(scene.output.frame_interval)
+    (n.capillary_step * capillary).min(cfl).min(n.max_step).min(scene.output.frame_interval())
 }
 
 fn body_reports(scene: &Scene) -> Vec<BodyReport> {
@@ -290,15 +290,15 @@ fn pairs(scene: &Scene) -> Vec<PairReport> {
         },
         elastocapillary_length: None,
         bending_elastocapillary_length: None,
-        line_friction: line.friction_of.iter().find(|f| f.0 == solid).map_or(line.friction, |f| f.1),
+        line_friction: line.friction_on(solid),
     };
     let mut out = vec![report(WALLS, Some(scene.domain.wall_contact_angle.cos()))];
     for s in &scene.solids {
         let tension = scene.tension.solids.iter().find(|t| t.0 == s.name);
-        let mut pair = report(&s.name, tension.map(|t| t.1.tension.young_cosine(gamma)));
+        let mut pair = report(&s.name, tension.map(|t| t.1.young_cosine(gamma)));
         match &s.material {
-            Material::Shell { elastic: e, thickness: t } => {
-                let bending = e.young_modulus * t.powi(3) / (12.0 * (1.0 - e.poisson_ratio.powi(2)));
+            Material::Shell { young_modulus, poisson_ratio, thickness, .. } => {
+                let bending = young_modulus * thickness.powi(3) / (12.0 * (1.0 - poisson_ratio.powi(2)));
                 pair.bending_elastocapillary_length = Some((bending / gamma).sqrt());
             }
             Material::NeoHookean(e) | Material::Corotated(e) => {

@@ -86,7 +86,7 @@ fn solid(scene: &Scene, spec: &Solid, list: &mut List) {
     if let Some((_, wetting)) = scene.tension.solids.iter().find(|t| t.0 == spec.name) {
         let degrees = |cosine: f64| cosine.clamp(-1.0, 1.0).acos().to_degrees();
         if wetting.is_uniform() {
-            let cosine = wetting.tension.young_cosine(gamma);
+            let cosine = wetting.young_cosine(gamma);
             list.put("Young's angle", "θ_Y", degrees(cosine), "deg");
         } else {
             let [low, high] = wetting.cosines(gamma).map(degrees);

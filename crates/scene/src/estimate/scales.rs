@@ -32,7 +32,7 @@ pub(crate) fn typical_speed(scene: &Scene) -> f64 {
 pub(crate) fn longest_step(scene: &Scene) -> f64 {
     let (n, gamma) = (&scene.numerics, scene.tension.liquid_air);
     let capillary = n.capillary_step * 0.36 * (scene.liquid.density * scene.domain.dx.powi(3) / gamma).sqrt();
-    n.fixed_step.unwrap_or_else(|| capillary.min(n.max_step)).min(scene.output.frame_interval)
+    n.fixed_step.unwrap_or_else(|| capillary.min(n.max_step)).min(scene.output.frame_interval())
 }
 
 /// The smallest radius of a liquid body, m; none for half-spaces.

@@ -1,27 +1,23 @@
-//! Scene files: the grammar as written, the resolved scene in SI units, and errors that point at the value.
+//! Scene files: their text, the scene as one type for what is written and what is used, and errors that point at the value.
 
-mod deserialize;
-mod document;
-mod grammar;
-mod material;
-mod resolve;
-mod resolved;
 mod runnable;
+mod scene;
 mod scene_files;
-mod source;
-mod write;
+mod sections;
+mod shape;
+mod text;
+mod validator;
 
-pub use document::Document;
-pub use grammar::{Format, OutlineName, SceneFile, Scheme, Side, Wall};
-pub use material::{Elastic, Material};
-pub use resolve::{LoadOptions, Quality};
-pub use resolved::{
-    Body, Bounds, ContactLine, Domain, Expectation, Hysteresis, Liquid, Moved, Numerics, Outline, Output,
-    Rotation, Scene, ShapeSpec, Solid, SolidTension, Tensions, WALLS, Warning, Warnings, Wetting,
-    WettingImage,
-};
-pub(crate) use resolved::{outline, rotation, vector};
 pub use runnable::ensure_runnable;
+pub use scene::{LoadOptions, Scene, Warnings};
 pub use scene_files::SceneFiles;
 pub(crate) use scene_files::builtin_name;
-pub use source::Source;
+pub use sections::{
+    AngleAt, Body, Collision, ContactLine, Deflection, Domain, Elastic, Expect, Format, Hysteresis, Keyframe,
+    Liquid, Material, Moved, Numerics, Output, Patch, Quality, Scheme, Side, Solid, SolidTension, Tensions,
+    WALLS, Wall, Wetted, Wetting, WettingImage,
+};
+pub use shape::{Bounds, Outline, OutlineName, Rotation, ShapeSpec};
+pub(crate) use shape::{outline, rotation, vector};
+pub use text::{DynamicViscosity, Either, Source};
+pub use validator::Warning;

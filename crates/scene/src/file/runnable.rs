@@ -1,9 +1,9 @@
 //! Refuses scenes that this version cannot run; nothing is ignored silently.
 
 use crate::error::SceneError;
-use crate::file::grammar::{Format, Scheme};
-use crate::file::material::Material;
-use crate::file::resolved::{Scene, ShapeSpec};
+use crate::file::scene::Scene;
+use crate::file::sections::{Format, Material, Scheme};
+use crate::file::shape::ShapeSpec;
 use crate::output::frame::frame_writer;
 
 /// Checks that this version can run the scene.
@@ -42,7 +42,7 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
         }
     }
     for (name, wetting) in &scene.tension.solids {
-        if let Some(i) = wetting.patches.iter().position(|(shape, _)| shape.parts().into_iter().any(is_wave))
+        if let Some(i) = wetting.patches.iter().position(|patch| patch.shape.parts().into_iter().any(is_wave))
         {
             return refuse(
                 &format!("tension.{name}.patches.{i}.shape"),

@@ -56,7 +56,11 @@ fn scene() -> Scene {
 fn a_cork_floats_and_a_stone_sinks() {
     let scene = scene();
     assert_eq!(
-        (scene.solids[0].restitution, scene.solids[1].restitution, scene.solids[1].friction),
+        (
+            scene.solids[0].collision.restitution,
+            scene.solids[1].collision.restitution,
+            scene.solids[1].collision.friction
+        ),
         (0.3, 0.1, 0.3)
     );
     let folder = std::env::temp_dir().join(format!("meniscus-free-{}", std::process::id()));
@@ -70,10 +74,7 @@ fn a_cork_floats_and_a_stone_sinks() {
     assert_eq!(verdicts.len(), 2);
     assert!(verdicts.iter().all(|v| v.pass), "{verdicts:#?} {:#?}", summary.solids);
     let mut turned = scene.clone();
-    turned.expect = vec![
-        meniscus_scene::file::Expectation::Sinks { solid: "cork".into() },
-        meniscus_scene::file::Expectation::Floats { solid: "stone".into() },
-    ];
+    (turned.expect.sinks, turned.expect.floats) = (vec!["cork".into()], vec!["stone".into()]);
     assert!(expect::evaluate(&turned, &summary, &TimeSeries::default()).iter().all(|v| !v.pass));
     let (weight, stone) = (3000.0 * 9.81 * std::f64::consts::PI * 0.004f64.powi(2), &summary.solids[1]);
     let held = (stone.contact_force[1] + stone.net_force[1]) / weight;

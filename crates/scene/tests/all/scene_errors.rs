@@ -301,7 +301,7 @@ fn settings() {
     );
     let scene = scene.unwrap_or_else(|e| panic!("{}", e.render()));
     assert_eq!(
-        (scene.domain.cells[0], scene.tension.liquid_air, scene.output.frame_interval),
+        (scene.domain.cells[0], scene.tension.liquid_air, scene.output.frame_interval()),
         (64, 0.05, 1e-3)
     );
     let scene = load(GOOD, &["liquid.body.0.velocity=[\"1 m/s\", 0, 0]", "domain.dx=0.1 mm"]).unwrap();

@@ -5,7 +5,7 @@
 use meniscus_scene::builtin::{self, BUILTINS};
 use meniscus_scene::error::SceneError;
 use meniscus_scene::estimate::check;
-use meniscus_scene::file::{Expectation, LoadOptions, Quality, Scene, ensure_runnable};
+use meniscus_scene::file::{LoadOptions, Quality, Scene, ensure_runnable};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -93,11 +93,7 @@ fn the_reference_of_the_grammar_is_up_to_date() {
 fn periods_are_rayleighs() {
     let expected = |name: &str| {
         let scene = builtin::open(name, &LoadOptions::default()).unwrap();
-        let found = scene.expect.iter().find_map(|e| match e {
-            Expectation::Period { value, .. } => Some(*value),
-            _ => None,
-        });
-        (found.unwrap(), scene)
+        (scene.expect.period.unwrap().value, scene)
     };
     let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     let tau = 2.0 * std::f64::consts::PI;

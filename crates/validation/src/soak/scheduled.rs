@@ -22,7 +22,7 @@ impl<const D: usize> ScheduledSimulation<D> {
 
     /// Continues from any state on the way to a frame.
     pub fn from(simulation: Simulation<D>, scene: &Scene, frame: u64) -> Self {
-        let schedule = Schedule::new(scene.output.frame_interval, scene.output.duration);
+        let schedule = Schedule::new(scene.output.frame_interval(), scene.output.duration);
         Self { simulation, schedule, frame }
     }
 

@@ -6,7 +6,7 @@ use super::invariants::{
 };
 use crate::soak::{EnergyLaw, EnergyMonitor, Violation};
 use meniscus_numerics::Vector;
-use meniscus_scene::file::Scene;
+use meniscus_scene::file::{Keyframe, Material, Scene};
 use meniscus_sim::{Diagnostics, Model, Motion, Simulation, SolidState, State, StepReport, overlaps};
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -301,7 +301,7 @@ fn max_physical_speed<const D: usize>(
     let bodies = scene.liquid.bodies.iter().map(|b| b.velocity.iter().map(|v| v * v).sum::<f64>().sqrt());
     let starts = model.solids.iter().zip(solids).map(|(s, now)| s.max_speed(now));
     let led = scene.solids.iter().map(|s| match &s.material {
-        meniscus_scene::file::Material::Kinematic { keyframes, .. } => keyframe_speed(keyframes),
+        Material::Kinematic { keyframes, .. } => keyframe_speed(keyframes),
         _ => 0.0,
     });
     let start = bodies.chain(starts).chain(led).filter(|v| v.is_finite()).fold(0.0, f64::max);
@@ -314,10 +314,10 @@ fn max_physical_speed<const D: usize>(
 }
 
 /// The largest speed between keyframes, m/s.
-fn keyframe_speed(keyframes: &[(f64, Vec<f64>)]) -> f64 {
-    let speed = |pair: &[(f64, Vec<f64>)]| {
-        let way = pair[1].1.iter().zip(&pair[0].1).map(|(b, a)| (b - a).powi(2)).sum::<f64>().sqrt();
-        way / (pair[1].0 - pair[0].0)
+fn keyframe_speed(keyframes: &[Keyframe]) -> f64 {
+    let speed = |pair: &[Keyframe]| {
+        let ends = pair[1].translate.iter().zip(&pair[0].translate);
+        ends.map(|(b, a)| (b - a).powi(2)).sum::<f64>().sqrt() / (pair[1].time - pair[0].time)
     };
     keyframes.windows(2).map(speed).fold(0.0, f64::max)
 }

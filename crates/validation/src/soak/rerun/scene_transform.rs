@@ -1,6 +1,6 @@
 //! Mirror images of scenes, and scenes shifted along the first axis.
 
-use meniscus_scene::file::{Material, Rotation, Scene, ShapeSpec, Solid, SolidTension};
+use meniscus_scene::file::{Material, Rotation, Scene, ShapeSpec, Solid};
 
 /// A transformation along the first axis: a reflection at the middle of the domain, then a shift.
 pub struct SceneTransform {
@@ -38,11 +38,12 @@ impl SceneTransform {
             if wetting.image.is_some() {
                 return None;
             }
-            for (shape, _) in &mut wetting.patches {
-                *shape = self.shape(shape)?;
+            for patch in &mut wetting.patches {
+                patch.shape = self.shape(&patch.shape)?;
             }
-            if let SolidTension::Gradient { from, to } = &mut wetting.tension {
-                (from.0, to.0) = (self.point(&from.0), self.point(&to.0));
+            for end in wetting.gradient.iter_mut().flat_map(|gradient| [&mut gradient.from, &mut gradient.to])
+            {
+                end.point = self.point(&end.point);
             }
         }
         Some(scene)
@@ -58,7 +59,7 @@ impl SceneTransform {
         solid.velocity = self.direction(&solid.velocity);
         if let Material::Kinematic { velocity, angular_velocity, keyframes } = &mut solid.material {
             *velocity = self.direction(velocity);
-            keyframes.iter_mut().for_each(|k| k.1 = self.direction(&k.1));
+            keyframes.iter_mut().for_each(|k| k.translate = self.direction(&k.translate));
             *angular_velocity = self.angular_velocity(angular_velocity);
         }
         for part in &mut solid.fixed {
@@ -67,7 +68,7 @@ impl SceneTransform {
         for part in &mut solid.moved {
             part.shape = self.shape(&part.shape)?;
             part.velocity = self.direction(&part.velocity);
-            part.keyframes.iter_mut().for_each(|k| k.1 = self.direction(&k.1));
+            part.keyframes.iter_mut().for_each(|k| k.translate = self.direction(&k.translate));
         }
         Some(())
     }
@@ -100,14 +101,12 @@ impl SceneTransform {
 
     fn rotation(&self, r: &Rotation) -> Rotation {
         if !self.mirrored || r.angle == 0.0 {
-            return *r;
+            return r.clone();
         }
-        // In 2D the axis stays and the angle is reversed; in 3D the axis is an angular velocity.
-        if r.axis == Rotation::NONE.axis {
-            Rotation { angle: -r.angle, ..*r }
-        } else {
-            let [x, y, z] = r.axis;
-            Rotation { axis: [x, -y, -z], ..*r }
+        // In 2D the angle is reversed; in 3D the axis is an angular velocity.
+        match r.axis.as_slice() {
+            [x, y, z] => Rotation { axis: vec![*x, -y, -z], angle: r.angle },
+            _ => Rotation { angle: -r.angle, ..r.clone() },
         }
     }
 

@@ -4,7 +4,7 @@ use super::accepted::round_tripped;
 use super::evidence;
 use crate::soak::Outcome;
 use crate::soak::launcher::Launcher;
-use meniscus_scene::file::{Bounds, Scene, ShapeSpec, SolidTension, Wall};
+use meniscus_scene::file::{Bounds, ContactLine, Either, Scene, ShapeSpec, Wall};
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
@@ -77,7 +77,9 @@ fn candidates(scene: &Scene, outcome: &Outcome, kind: &str) -> Vec<(String, Scen
         let mut less = scene.clone();
         let solid = less.solids.remove(i);
         less.tension.solids.retain(|(name, _)| *name != solid.name);
-        less.contact_line.friction_of.retain(|(name, _)| *name != solid.name);
+        if let Either::Rich(table) = &mut less.contact_line.friction {
+            table.0.retain(|(name, _)| *name != solid.name);
+        }
         all.push((format!("the solid {}", solid.name), less));
     }
     for i in (0..scene.liquid.bodies.len()).filter(|_| scene.liquid.bodies.len() > 1) {
@@ -110,14 +112,14 @@ fn features(scene: &Scene) -> Vec<(String, Scene)> {
     less("open walls", &|s| s.domain.walls.iter_mut().flatten().for_each(|w| *w = Wall::Slip));
     less("wetting walls", &|s| s.domain.wall_contact_angle = FRAC_PI_2);
     less("hysteresis", &|s| s.contact_line.hysteresis = None);
-    less("the contact-line friction", &|s| s.contact_line.friction = 0.0);
+    less("the contact-line friction", &|s| s.contact_line.friction = ContactLine::default().friction);
     less("the contact-line radius", &|s| s.contact_line.radius = None);
     less("the Neumann balance", &|s| s.contact_line.neumann = false);
     less("patches", &|s| s.tension.solids.iter_mut().for_each(|(_, w)| w.patches.clear()));
     less("gradients of the contact angle", &|s| {
         for (_, wetting) in &mut s.tension.solids {
-            if let SolidTension::Gradient { from, .. } = &wetting.tension {
-                wetting.tension = SolidTension::Angle(from.1);
+            if let Some(gradient) = wetting.gradient.take() {
+                wetting.set_contact_angle(gradient.from.contact_angle);
             }
         }
     });
@@ -128,7 +130,7 @@ fn features(scene: &Scene) -> Vec<(String, Scene)> {
     less("long or short steps", &|s| s.numerics.capillary_step = 5.0);
     less("Newton iterations", &|s| s.numerics.newton_iterations = 0);
     less("contact angles other than 90 degrees", &|s| {
-        s.tension.solids.iter_mut().for_each(|(_, w)| w.tension = SolidTension::Angle(FRAC_PI_2));
+        s.tension.solids.iter_mut().for_each(|(_, w)| w.set_contact_angle(FRAC_PI_2));
     });
     less("shapes of liquid other than balls", &|s| {
         let dimension = s.domain.dimension;

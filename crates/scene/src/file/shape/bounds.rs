@@ -1,7 +1,8 @@
 //! Geometry of shapes: bounds, point containment, typical radius.
 
-use super::shape::{Rotation, ShapeSpec};
-use crate::file::grammar::short;
+use super::rotation::Rotation;
+use super::spec::ShapeSpec;
+use crate::file::text::short;
 use meniscus_numerics::shape::SmoothUnion;
 use std::f64::consts::PI;
 
@@ -52,16 +53,6 @@ impl Bounds {
 }
 
 impl ShapeSpec {
-    /// This shape and all its parts, recursively.
-    pub fn parts(&self) -> Vec<&Self> {
-        let within: Vec<&Self> = match self {
-            Self::Union(list) | Self::SmoothUnion { parts: list, .. } => list.iter().collect(),
-            Self::Difference { of, minus } => vec![of, minus],
-            _ => Vec::new(),
-        };
-        std::iter::once(self).chain(within.into_iter().flat_map(Self::parts)).collect()
-    }
-
     /// A bounding box of the shape in `dim` dimensions; `None` for a mesh, whose file is not read here.
     pub fn bounds(&self, dim: usize) -> Option<Bounds> {
         Some(match self {

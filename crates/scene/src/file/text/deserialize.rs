@@ -1,24 +1,24 @@
 //! Deserialises a TOML tree as a scene file, with errors that say what was found, what is accepted, and where.
 
-use super::grammar::{HELP_MARK, SceneFile};
+use super::quantity::{HELP_MARK, LENGTH};
 use super::source::Source;
 use crate::error::{SceneError, nearest};
+use crate::units::{self, Dimension};
 use serde::de::value::{CowStrDeserializer, MapAccessDeserializer, MapDeserializer, SeqDeserializer};
 use serde::de::{Error as _, Expected, IntoDeserializer, Unexpected, Visitor};
-use serde::{Deserialize as _, Deserializer};
+use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 use std::fmt::Display;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
-/// Deserialises the tree of a whole scene.
+/// Deserialises a tree of a scene with cells of `dx` metres.
 ///
 /// # Errors
 /// [`ReadError`] at the key or value that the grammar does not accept.
-pub(super) fn scene_file(root: Spanned<DeTable<'_>>) -> Result<SceneFile, ReadError> {
-    let span = root.span();
-    SceneFile::deserialize(Value(Spanned::new(span, DeValue::Table(root.into_inner()))))
+pub(super) fn tree<'i, T: Deserialize<'i>>(value: Spanned<DeValue<'i>>, dx: f64) -> Result<T, ReadError> {
+    T::deserialize(Value { value, dx })
 }
 
 /// A key or value that the grammar does not accept.
@@ -120,11 +120,11 @@ fn plain_type(wanted: &str) -> String {
     match wanted {
         "u32" | "u64" | "usize" => "a whole number, not negative, no quotes".to_owned(),
         "f64" => "a number, no quotes".to_owned(),
-        "a string" => "text in quotes".to_owned(),
+        "a string" | "path string" => "text in quotes".to_owned(),
         "a boolean" => "true or false".to_owned(),
         "a sequence" => "a list [ … ]".to_owned(),
         other => match other.strip_prefix("struct ") {
-            Some("SolidTensionFile") => "a table, like { contact_angle = \"30 deg\" }".to_owned(),
+            Some("Wetting") => "a table, like { contact_angle = \"30 deg\" }".to_owned(),
             Some(_) => "a table { … }".to_owned(),
             None if other.starts_with("enum ") => "a table with one key that names the kind".to_owned(),
             None => other.to_owned(),
@@ -133,7 +133,11 @@ fn plain_type(wanted: &str) -> String {
 }
 
 /// A value of the tree.
-struct Value<'i>(Spanned<DeValue<'i>>);
+struct Value<'i> {
+    value: Spanned<DeValue<'i>>,
+    /// Cell size, m, for lengths in cells.
+    dx: f64,
+}
 
 /// A key of the tree.
 struct Key<'i>(Spanned<Cow<'i, str>>);
@@ -173,16 +177,18 @@ impl<'de> Deserializer<'de> for Value<'de> {
     type Error = ReadError;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ReadError> {
-        let span = self.0.span();
-        let read = match self.0.into_inner() {
+        let (span, dx) = (self.value.span(), self.dx);
+        let read = match self.value.into_inner() {
             DeValue::String(Cow::Borrowed(text)) => visitor.visit_borrowed_str(text),
             DeValue::String(Cow::Owned(text)) => visitor.visit_string(text),
             DeValue::Integer(number) => visit_integer(&number, visitor),
             DeValue::Float(number) => visit_float(number.as_str(), visitor),
             DeValue::Boolean(value) => visitor.visit_bool(value),
             DeValue::Datetime(_) => Err(ReadError::invalid_type(Unexpected::Other("date"), &visitor)),
-            DeValue::Array(list) => visitor.visit_seq(SeqDeserializer::new(list.into_iter().map(Value))),
-            DeValue::Table(table) => visitor.visit_map(entries(table)),
+            DeValue::Array(list) => {
+                visitor.visit_seq(SeqDeserializer::new(list.into_iter().map(|value| Value { value, dx })))
+            }
+            DeValue::Table(table) => visitor.visit_map(entries(table, dx)),
         };
         read.map_err(|e| e.or_at(span))
     }
@@ -191,24 +197,36 @@ impl<'de> Deserializer<'de> for Value<'de> {
         visitor.visit_some(self)
     }
 
+    /// A length, which becomes one in m if it counts cells, or what is made of a value (`read_as`).
     fn deserialize_newtype_struct<V: Visitor<'de>>(
         self,
-        _: &'static str,
+        name: &'static str,
         visitor: V,
     ) -> Result<V::Value, ReadError> {
-        visitor.visit_newtype_struct(self)
+        let span = self.value.span();
+        let read = match self.value.get_ref() {
+            DeValue::String(text) if name == LENGTH => match units::parse(text, Dimension::Length) {
+                Ok(length) if length.in_cells => {
+                    visitor.visit_newtype_struct((length.value * self.dx).into_deserializer())
+                }
+                _ => self.deserialize_any(visitor),
+            },
+            _ if name == LENGTH => self.deserialize_any(visitor),
+            _ => visitor.visit_newtype_struct(self),
+        };
+        read.map_err(|e| e.or_at(span))
     }
 
     /// The content of a value of an enum that is written as a table: nothing.
     fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ReadError> {
-        let wrong = match self.0.get_ref() {
+        let wrong = match self.value.get_ref() {
             DeValue::Array(list) if list.is_empty() => return visitor.visit_unit(),
             DeValue::Table(table) if table.is_empty() => return visitor.visit_unit(),
             DeValue::Array(_) => "expected empty array".to_owned(),
             DeValue::Table(_) => "expected empty table".to_owned(),
             other => format!("expected table, found {}", other.type_str()),
         };
-        Err(ReadError::new(wrong, "").or_at(self.0.span()))
+        Err(ReadError::new(wrong, "").or_at(self.value.span()))
     }
 
     /// A value by its name, or a table whose only key names the kind.
@@ -218,14 +236,14 @@ impl<'de> Deserializer<'de> for Value<'de> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, ReadError> {
-        let span = self.0.span();
+        let (span, dx) = (self.value.span(), self.dx);
         let one_key =
             |message| Err(ReadError::new(message, "keep exactly one of its keys, and remove the others"));
-        let read = match self.0.into_inner() {
+        let read = match self.value.into_inner() {
             DeValue::String(text) => visitor.visit_enum(CowStrDeserializer::new(text)),
             DeValue::Table(table) => match table.len() {
                 0 => one_key("this table has 0 elements"),
-                1 => visitor.visit_enum(MapAccessDeserializer::new(entries(table))),
+                1 => visitor.visit_enum(MapAccessDeserializer::new(entries(table, dx))),
                 _ => one_key("wanted exactly 1 element, more than 1 element"),
             },
             _ => Err(ReadError::new("wanted string or table", "")),
@@ -242,8 +260,9 @@ impl<'de> Deserializer<'de> for Value<'de> {
 /// The entries of a table.
 fn entries<'i>(
     table: DeTable<'i>,
+    dx: f64,
 ) -> MapDeserializer<'i, impl Iterator<Item = (Key<'i>, Value<'i>)>, ReadError> {
-    MapDeserializer::new(table.into_iter().map(|(key, value)| (Key(key), Value(value))))
+    MapDeserializer::new(table.into_iter().map(move |(key, value)| (Key(key), Value { value, dx })))
 }
 
 fn visit_integer<'de, V: Visitor<'de>>(number: &DeInteger<'_>, visitor: V) -> Result<V::Value, ReadError> {

@@ -1,8 +1,8 @@
-//! Converts points, rotations and outlines of a resolved scene to types of `meniscus_numerics`.
+//! Converts points, rotations and outlines of a scene to types of `meniscus_numerics`.
 
-use super::shape::{Outline as OutlineSpec, Rotation};
+use super::rotation::Rotation;
+use super::spec::{Outline as OutlineSpec, OutlineName};
 use crate::error::SceneError;
-use crate::file::grammar::OutlineName;
 use meniscus_numerics::mesh::volume::Outline;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -27,7 +27,8 @@ pub(crate) fn outline(spec: &OutlineSpec) -> Result<Outline, SceneError> {
         OutlineSpec::Named(OutlineName::Cross, size) => Outline::cross(*size),
         OutlineSpec::Named(OutlineName::Leaf, size) => Outline::leaf(*size),
         OutlineSpec::Points(points) => {
-            Outline::polygon(points).map_err(|e| SceneError::new(e.to_string()))?
+            let points: Vec<[f64; 2]> = points.iter().map(|p| vector::<2>(p).into()).collect();
+            Outline::polygon(&points).map_err(|e| SceneError::new(e.to_string()))?
         }
     })
 }

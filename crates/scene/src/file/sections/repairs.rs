@@ -12,20 +12,20 @@ macro_rules! bounds {
         /// edge of a cube of the start volume. Lengths are in cells.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
-        pub struct RepairsFile {
+        pub struct RepairBounds {
             $($(#[$doc])* #[serde(default, skip_serializing_if = "Option::is_none")] pub $name: Option<f64>,)*
         }
 
-        impl RepairsFile {
+        impl RepairBounds {
             /// The bounds that are given, by name.
             pub fn bounds(&self) -> Vec<(&'static str, f64)> {
                 let all = [$((stringify!($name), self.$name),)*];
                 all.into_iter().filter_map(|(name, max)| max.map(|max| (name, max))).collect()
             }
 
-            /// Sets the bound of a name, if there is one of this name.
-            pub fn set(&mut self, name: &str, max: f64) {
-                $(if name == stringify!($name) { self.$name = Some(max); })*
+            /// Whether none is given.
+            pub fn is_empty(&self) -> bool {
+                self.bounds().is_empty()
             }
         }
     };
@@ -121,10 +121,9 @@ mod tests {
 
     #[test]
     fn every_repair_can_be_bounded() {
-        let mut file = RepairsFile::default();
         let names = Repairs::ENTRIES.iter().map(|(name, _)| *name).chain([UNCONVERGED]);
         let all: Vec<(&str, f64)> = names.map(|name| (name, 0.5)).collect();
-        all.iter().for_each(|(name, max)| file.set(name, *max));
-        assert_eq!(file.bounds(), all);
+        let text: String = all.iter().map(|(name, max)| format!("{name} = {max}\n")).collect();
+        assert_eq!(toml::from_str::<RepairBounds>(&text).unwrap().bounds(), all);
     }
 }

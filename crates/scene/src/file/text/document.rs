@@ -1,8 +1,8 @@
 //! Scene text parsed into a TOML tree, and `--set` overrides of it.
 
-use super::grammar::SceneFile;
 use super::source::Source;
 use crate::error::SceneError;
+use serde::Deserialize;
 use serde::de::Error as _;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -91,16 +91,24 @@ impl<'i> Document<'i> {
         }
     }
 
-    /// Deserialises the tree as a scene file.
+    /// The positions of all keys and values.
+    pub fn source(&mut self) -> Source {
+        self.source.collect_table("", self.root.get_ref());
+        self.source.clone()
+    }
+
+    /// Deserialises a table of the scene by its key, with lengths in cells as NaN; `None` if it is not there or not accepted.
+    pub fn table<T: Deserialize<'i>>(&self, key: &str) -> Option<T> {
+        super::deserialize::tree(self.root.get_ref().get(key)?.clone(), f64::NAN).ok()
+    }
+
+    /// Deserialises the whole tree of a scene with cells of `dx` metres.
     ///
     /// # Errors
     /// [`SceneError`] pointing at the key or value that is not accepted.
-    pub fn read(mut self) -> Result<(SceneFile, Source), SceneError> {
-        self.source.collect_table("", self.root.get_ref());
-        match super::deserialize::scene_file(self.root) {
-            Ok(file) => Ok((file, self.source)),
-            Err(e) => Err(e.in_source(&self.source)),
-        }
+    pub fn read<T: Deserialize<'i>>(self, dx: f64) -> Result<T, SceneError> {
+        let root = Spanned::new(self.root.span(), DeValue::Table(self.root.into_inner()));
+        super::deserialize::tree(root, dx).map_err(|e| e.in_source(&self.source))
     }
 }
 
