@@ -1,4 +1,4 @@
-//! Builds a simulation from a resolved scene.
+//! Builds a simulation from a scene.
 
 mod any_simulation;
 mod constraints;

@@ -1,4 +1,4 @@
-//! Builds a setup from a resolved scene. The only place where the dimension is chosen at run time.
+//! Builds a setup from a scene. The only place where the dimension is chosen at run time.
 
 use super::Setup;
 use super::shapes::{shape, signed_distance_fn};
@@ -155,7 +155,7 @@ fn with_wetting_domain_walls<const D: usize>(scene: &Scene, model: Model<D>) -> 
 /// Overlap, in cells, attributed to rounding of the numbers in a scene. Surfaces with a gap up to this touch.
 const CONTACT_TOLERANCE_CELLS: f64 = 0.01;
 
-/// Refuses a solid from a mesh file that leaves the domain. Other shapes are checked when the scene is resolved.
+/// Refuses a solid from a mesh file that leaves the domain. Other shapes are checked when the scene is validated.
 fn check_mesh_inside_domain<const D: usize>(
     scene: &Scene,
     spec: &SolidSpec,

@@ -1,4 +1,4 @@
-//! Signed distance functions of the shapes of a resolved scene, and meshes from files.
+//! Signed distance functions of the shapes of a scene, and meshes from files.
 
 use super::SignedDistanceFn;
 use crate::error::SceneError;

@@ -7,7 +7,6 @@ use crate::file::validator::Validator;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::f64::consts::PI;
-use std::fmt;
 
 /// `[contact_line]`: properties of the contact line.
 #[derive(Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -36,20 +35,8 @@ pub struct ContactLine {
     pub hysteresis: Option<Hysteresis>,
 }
 
-/// The text that enters the identity of a scene.
-impl fmt::Debug for ContactLine {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let named: Vec<(&String, f64)> = self.named_friction().iter().map(|(name, x)| (name, x.0)).collect();
-        f.debug_struct("ContactLine")
-            .field("enabled", &self.enabled)
-            .field("radius", &self.radius)
-            .field("neumann", &self.neumann)
-            .field("friction", &self.uniform_friction())
-            .field("friction_of", &named)
-            .field("hysteresis", &self.hysteresis)
-            .finish()
-    }
-}
+identity_text!(ContactLine, l => enabled: l.enabled, radius: l.radius, neumann: l.neumann, friction: l.uniform_friction(),
+    friction_of: l.named_friction(), hysteresis: l.hysteresis);
 
 impl Default for ContactLine {
     fn default() -> Self {

@@ -46,7 +46,8 @@ pub struct Domain {
     pub dx: f64,
 }
 
-debug_fields!(Domain: dimension, size, cells, dx, walls, wall_contact_angle);
+identity_text!(Domain, d => dimension: d.dimension, size: d.size, cells: d.cells, dx: d.dx, walls: d.walls,
+    wall_contact_angle: d.wall_contact_angle);
 
 /// Number of cells along the longest side for qualities other than `normal`.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]

@@ -29,7 +29,8 @@ pub struct Liquid {
     pub bodies: Vec<Body>,
 }
 
-debug_fields!(Liquid: density, kinematic_viscosity, gravity, bodies);
+identity_text!(Liquid, l => density: l.density, kinematic_viscosity: l.kinematic_viscosity, gravity: l.gravity,
+    bodies: l.bodies);
 
 /// `[[liquid.body]]`: a region of liquid at the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -2,12 +2,13 @@
 //!
 //! `validate` checks a section in place and makes defaults explicit that depend on other keys.
 
-/// Makes the text of a type that enters the identity of a scene: the fields that are named, in this order.
-macro_rules! debug_fields {
-    ($type:ident: $($field:ident),*) => {
+/// Makes the text of a type that enters the identity of a scene: the names and values that are listed, in this order.
+macro_rules! identity_text {
+    ($type:ident, $of:ident => $($name:ident: $value:expr),*) => {
         impl std::fmt::Debug for $type {
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.debug_struct(stringify!($type))$(.field(stringify!($field), &self.$field))*.finish()
+                let $of = self;
+                f.debug_struct(stringify!($type))$(.field(stringify!($name), &$value))*.finish()
             }
         }
     };

@@ -9,7 +9,6 @@ use crate::file::text::{Density, Si, Speed};
 use crate::file::validator::{Validator, under};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
 /// `[[solid]]`: a solid.
 #[derive(Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -44,23 +43,8 @@ pub struct Solid {
     pub moved: Vec<Moved>,
 }
 
-/// The text that enters the identity of a scene.
-impl fmt::Debug for Solid {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Solid")
-            .field("name", &self.name)
-            .field("density", &self.density)
-            .field("shape", &self.shape)
-            .field("mesh_edge", &self.mesh_edge)
-            .field("material", &self.material)
-            .field("velocity", &self.velocity)
-            .field("restitution", &self.collision.restitution)
-            .field("friction", &self.collision.friction)
-            .field("fixed", &self.fixed)
-            .field("moved", &self.moved)
-            .finish()
-    }
-}
+identity_text!(Solid, s => name: s.name, density: s.density, shape: s.shape, mesh_edge: s.mesh_edge, material: s.material,
+    velocity: s.velocity, restitution: s.collision.restitution, friction: s.collision.friction, fixed: s.fixed, moved: s.moved);
 
 /// A part of a deformable solid with prescribed motion: a velocity, or keyframes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -112,17 +112,7 @@ pub struct Wetting {
     pub patches: Vec<Patch>,
 }
 
-/// The text that enters the identity of a scene.
-impl fmt::Debug for Wetting {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (tension, image, patches) = (self.tension(), &self.image, &self.patches);
-        f.debug_struct("Wetting")
-            .field("tension", &tension)
-            .field("image", image)
-            .field("patches", patches)
-            .finish()
-    }
-}
+identity_text!(Wetting, w => tension: w.tension(), image: w.image, patches: w.patches);
 
 /// `gradient`: the cosine of the contact angle is linear along the line through two points, and constant beyond
 /// them. The points are given for the position of the solid at the start; the pattern moves with the solid.

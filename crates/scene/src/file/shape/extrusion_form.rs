@@ -1,10 +1,43 @@
-//! The keys in which an extrusion is written.
+//! Outlines in the plane, and the keys in which an extrusion is written.
 
 use super::rotation::Rotation;
-use super::spec::{Outline, OutlineName};
+use crate::error::SceneError;
 use crate::file::text::{Either, HELP_MARK, Length, Quantity, Si, read_as};
+use crate::file::validator::Validator;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// An outline in the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outline {
+    /// A named outline and its size across, m.
+    Named(OutlineName, f64),
+    /// The corners of a polygon, m, each with two entries.
+    Points(Vec<Vec<f64>>),
+}
+
+/// A named outline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum OutlineName {
+    /// A square; the size is its side.
+    #[serde(rename = "square")]
+    Square,
+    /// An equilateral triangle; the size is its side.
+    #[serde(rename = "triangle")]
+    Triangle,
+    /// Four petals; the size is the diameter of the circle through their tips.
+    #[serde(rename = "petals-4")]
+    Petals4,
+    /// Six petals; the size is the diameter of the circle through their tips.
+    #[serde(rename = "petals-6")]
+    Petals6,
+    /// A cross of five squares joined by bridges; the size is the distance of opposite ends.
+    #[serde(rename = "cross")]
+    Cross,
+    /// A leaf; the size is the distance of its two tips, and its width is half of it.
+    #[serde(rename = "leaf")]
+    Leaf,
+}
 
 /// A flat outline with a thickness (3D only).
 #[derive(Serialize, Deserialize, JsonSchema)]
@@ -25,6 +58,28 @@ pub struct ExtrusionKeys {
     /// Rotation about the centre.
     #[serde(default, skip_serializing_if = "Rotation::is_none")]
     rotation: Rotation,
+}
+
+impl Outline {
+    pub(super) fn validate(&self, at: &dyn Fn(&str) -> String, v: &Validator) -> Result<(), SceneError> {
+        let points = match self {
+            Self::Named(_, size) => return v.positive(&at("size"), "the size", *size),
+            Self::Points(points) => points,
+        };
+        if v.source.has(&at("size")) {
+            let message = "an outline given as a list of points takes no `size`";
+            return Err(v.error(&at("size"), message, "remove `size`"));
+        }
+        if let Some((i, point)) = points.iter().enumerate().find(|(_, point)| point.len() != 2) {
+            let message = format!("found {} entries in this point of the outline", point.len());
+            return Err(v.error(&at(&format!("outline.{i}")), message, "give 2 entries"));
+        }
+        if points.len() < 3 {
+            let help = "give three points or more";
+            return Err(v.error(&at("outline"), "the outline has fewer than three points", help));
+        }
+        Ok(())
+    }
 }
 
 /// Writes an extrusion.

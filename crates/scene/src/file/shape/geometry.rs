@@ -1,7 +1,7 @@
 //! Converts points, rotations and outlines of a scene to types of `meniscus_numerics`.
 
+use super::extrusion_form::{Outline as OutlineSpec, OutlineName};
 use super::rotation::Rotation;
-use super::spec::{Outline as OutlineSpec, OutlineName};
 use crate::error::SceneError;
 use meniscus_numerics::mesh::volume::Outline;
 use meniscus_numerics::{Matrix, Vector};

@@ -9,6 +9,7 @@ mod spec;
 mod validate;
 
 pub use bounds::Bounds;
+pub use extrusion_form::{Outline, OutlineName};
 pub(crate) use geometry::{outline, rotation, vector};
 pub use rotation::Rotation;
-pub use spec::{Outline, OutlineName, ShapeSpec};
+pub use spec::ShapeSpec;

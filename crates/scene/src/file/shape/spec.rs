@@ -1,5 +1,6 @@
 //! Shapes of liquid and of solids.
 
+use super::extrusion_form::Outline;
 use super::rotation::Rotation;
 use super::{box_form, extrusion_form};
 use crate::file::text::{Angle, Length, MeshScale, Si};
@@ -174,38 +175,6 @@ pub enum ShapeSpec {
 
 fn one() -> f64 {
     1.0
-}
-
-/// An outline in the plane.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Outline {
-    /// A named outline and its size across, m.
-    Named(OutlineName, f64),
-    /// The corners of a polygon, m, each with two entries.
-    Points(Vec<Vec<f64>>),
-}
-
-/// A named outline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub enum OutlineName {
-    /// A square; the size is its side.
-    #[serde(rename = "square")]
-    Square,
-    /// An equilateral triangle; the size is its side.
-    #[serde(rename = "triangle")]
-    Triangle,
-    /// Four petals; the size is the diameter of the circle through their tips.
-    #[serde(rename = "petals-4")]
-    Petals4,
-    /// Six petals; the size is the diameter of the circle through their tips.
-    #[serde(rename = "petals-6")]
-    Petals6,
-    /// A cross of five squares joined by bridges; the size is the distance of opposite ends.
-    #[serde(rename = "cross")]
-    Cross,
-    /// A leaf; the size is the distance of its two tips, and its width is half of it.
-    #[serde(rename = "leaf")]
-    Leaf,
 }
 
 /// Extensions of files with volume elements.

@@ -1,7 +1,7 @@
 //! Checks of shapes.
 
 use super::rotation::Rotation;
-use super::spec::{Outline, ShapeSpec, VOLUME_EXTENSIONS};
+use super::spec::{ShapeSpec, VOLUME_EXTENSIONS};
 use crate::error::SceneError;
 use crate::file::scene_files::{builtin_name, unknown_mesh_message};
 use crate::file::text::short;
@@ -50,11 +50,7 @@ impl ShapeSpec {
             }
             Self::PerturbedBall { center, radius, mode, amplitude } => {
                 let at = under(path, "perturbed_ball");
-                if !(2..=64).contains(mode) {
-                    let help = "accepted: 2 to 64 (mode 0 changes the volume, mode 1 moves the ball)";
-                    let message = format!("mode {mode} is not an oscillation mode of a drop");
-                    return Err(v.error(&at("mode"), message, help));
-                }
+                check_mode(&at("mode"), *mode, v)?;
                 ball(&at, center, *radius)?;
                 v.within(&at("amplitude"), "the amplitude over the radius", *amplitude, [-0.9, 0.9])
             }
@@ -63,27 +59,29 @@ impl ShapeSpec {
                 v.positive(&at("wavelength"), "the wavelength", *wavelength)?;
                 v.not_negative(&at("amplitude"), "the amplitude", *amplitude)
             }
-            Self::Union(parts) => validate_parts(&format!("{path}.union"), parts, v),
             Self::Cow { at: feet, length, rotation } => {
                 let at = under(path, "cow");
                 v.dimension(&at("at"), feet)?;
                 v.positive(&at("length"), "the length", *length)?;
                 rotation.validate(&at("rotation"), v)
             }
-            Self::Difference { of, minus } => {
-                let at = under(path, "difference");
-                of.validate(&at("of"), v)?;
-                minus.validate(&at("minus"), v)
-            }
-            Self::SmoothUnion { .. } | Self::Extrusion { .. } | Self::Mesh { .. } => {
-                self.validate_composed(path, v)
-            }
+            Self::Union(_)
+            | Self::SmoothUnion { .. }
+            | Self::Difference { .. }
+            | Self::Extrusion { .. }
+            | Self::Mesh { .. } => self.validate_composed(path, v),
         }
     }
 
     /// Checks shapes made of parts, of an outline or of a file.
     fn validate_composed(&mut self, path: &str, v: &Validator) -> Result<(), SceneError> {
         match self {
+            Self::Union(parts) => validate_parts(&format!("{path}.union"), parts, v),
+            Self::Difference { of, minus } => {
+                let at = under(path, "difference");
+                of.validate(&at("of"), v)?;
+                minus.validate(&at("minus"), v)
+            }
             Self::SmoothUnion { parts, width } => {
                 let at = under(path, "smooth_union");
                 v.positive(&at("width"), "the width of the fillets", *width)?;
@@ -114,26 +112,12 @@ impl ShapeSpec {
     }
 }
 
-impl Outline {
-    fn validate(&self, at: &dyn Fn(&str) -> String, v: &Validator) -> Result<(), SceneError> {
-        let points = match self {
-            Self::Named(_, size) => return v.positive(&at("size"), "the size", *size),
-            Self::Points(points) => points,
-        };
-        if v.source.has(&at("size")) {
-            let message = "an outline given as a list of points takes no `size`";
-            return Err(v.error(&at("size"), message, "remove `size`"));
-        }
-        if let Some((i, point)) = points.iter().enumerate().find(|(_, point)| point.len() != 2) {
-            let message = format!("found {} entries in this point of the outline", point.len());
-            return Err(v.error(&at(&format!("outline.{i}")), message, "give 2 entries"));
-        }
-        if points.len() < 3 {
-            let help = "give three points or more";
-            return Err(v.error(&at("outline"), "the outline has fewer than three points", help));
-        }
-        Ok(())
+fn check_mode(path: &str, mode: u32, v: &Validator) -> Result<(), SceneError> {
+    if (2..=64).contains(&mode) {
+        return Ok(());
     }
+    let help = "accepted: 2 to 64 (mode 0 changes the volume, mode 1 moves the ball)";
+    Err(v.error(path, format!("mode {mode} is not an oscillation mode of a drop"), help))
 }
 
 fn validate_parts(path: &str, parts: &mut [ShapeSpec], v: &Validator) -> Result<(), SceneError> {

@@ -68,8 +68,15 @@ fn unit_schema(dimension: Dimension) -> Schema {
 macro_rules! quantity {
     ($($(#[$doc:meta])* $name:ident),* $(,)?) => {$(
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Copy, PartialEq)]
         pub struct $name(pub f64);
+
+        /// The number alone, as it enters the identity of a scene.
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                fmt::Debug::fmt(&self.0, f)
+            }
+        }
 
         impl<'de> Deserialize<'de> for $name {
             fn deserialize<De: Deserializer<'de>>(d: De) -> Result<Self, De::Error> {
