@@ -6,7 +6,7 @@ use crate::error::SceneError;
 use crate::file::scene_files::{builtin_name, unknown_mesh_message};
 use crate::file::text::short;
 use crate::file::validator::{Validator, under};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 impl ShapeSpec {
     /// Checks the shape, makes directions vectors of unit length, and finds files.
@@ -146,14 +146,11 @@ fn validate_box(
     }
     v.entries(&at("lower"))?;
     v.entries(&at("upper"))?;
-    for (i, (middle, half)) in center.iter().zip(half_size).enumerate().filter(|(_, (_, half))| **half <= 0.0)
-    {
-        let [lower, upper] = [middle - half, middle + half].map(short);
-        let message = format!("`upper` ({upper} m) is not above `lower` ({lower} m)");
-        let help = "every entry of `upper` must be larger than that of `lower`";
-        return Err(v.error(&at(&format!("upper.{i}")), message, help));
-    }
-    Ok(())
+    let Some(i) = half_size.iter().position(|half| *half <= 0.0) else { return Ok(()) };
+    let [lower, upper] = [center[i] - half_size[i], center[i] + half_size[i]].map(short);
+    let message = format!("`upper` ({upper} m) is not above `lower` ({lower} m)");
+    let help = "every entry of `upper` must be larger than that of `lower`";
+    Err(v.error(&at(&format!("upper.{i}")), message, help))
 }
 
 fn only_3d(path: &str, kind: &str, instead: &str, v: &Validator) -> Result<(), SceneError> {
@@ -166,7 +163,7 @@ fn only_3d(path: &str, kind: &str, instead: &str, v: &Validator) -> Result<(), S
 }
 
 /// Absolute path of a mesh file; the name itself for a built-in one.
-fn mesh_file(path: &str, file: &PathBuf, v: &Validator) -> Result<PathBuf, SceneError> {
+fn mesh_file(path: &str, file: &Path, v: &Validator) -> Result<PathBuf, SceneError> {
     let name = file.to_string_lossy();
     let known = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).unwrap_or_default();
     let surfaces = if v.dim == 2 { &["obj", "ply"][..] } else { &["obj", "ply", "stl"] };
@@ -182,7 +179,7 @@ fn mesh_file(path: &str, file: &PathBuf, v: &Validator) -> Result<PathBuf, Scene
     }
     if let Some(of) = builtin_name(&name) {
         return match unknown_mesh_message(of) {
-            None => Ok(file.clone()),
+            None => Ok(file.to_owned()),
             Some((message, help)) => Err(v.error(path, message, help)),
         };
     }
