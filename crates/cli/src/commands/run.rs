@@ -48,6 +48,7 @@ fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     let cut = displaced_liquid::check_displaced(scene, &displaced_liquid::displaced_bodies(scene, &setup))?;
     job.warnings = cut.into_iter().map(|w| format!("{}: {}", w.path, w.message)).collect();
     memory::check_solid_memory(scene, &setup, memory::machine_memory())?;
+    scene.files.forget();
     let outcome = setup.run(&job, &folder, existing, &|| watch.request(), &mut reporter)?;
     let text = args.log == LogFormat::Text && !args.quiet;
     match outcome {

@@ -2,7 +2,7 @@
 
 use super::scene_files::SceneFiles;
 use super::sections::{
-    ContactLine, Domain, Expect, Liquid, Named, Numerics, Output, Quality, Solid, Tensions, WALLS, Wall,
+    ContactLine, Domain, Expect, Liquid, Names, Numerics, Output, Quality, Solid, Tensions, WALLS, Wall,
     Wetting,
 };
 use super::text::{Document, Source};
@@ -134,7 +134,7 @@ impl Scene {
         self.numerics.validate(!soft.is_empty(), v)?;
         self.output.validate(v)?;
         let mut expect = self.expect.clone();
-        expect.validate(&Named { solids, soft, angles: self.young_angles() }, v)?;
+        expect.validate(&Names { solids, soft, angles: self.young_angles() }, v)?;
         self.expect = expect;
         Ok(())
     }

@@ -86,6 +86,11 @@ impl SceneFiles {
         self.mesh(path, || read::load(path, &|file| self.content(file)))
     }
 
+    /// Frees the memory of what has been read. What is asked for again is read again.
+    pub fn forget(&self) {
+        *self.loaded() = Loaded::default();
+    }
+
     fn mesh<M: Send + Sync + 'static, E: ToString>(
         &self,
         path: &Path,

@@ -229,7 +229,7 @@ fn entry(key: &str, count: usize, i: usize) -> String {
 }
 
 /// What `[expect]` may name.
-pub(in crate::file) struct Named<'a> {
+pub(in crate::file) struct Names<'a> {
     /// All solids.
     pub solids: Vec<&'a str>,
     /// Deformable solids.
@@ -248,7 +248,7 @@ impl Expect {
     ///
     /// # Errors
     /// [`SceneError`] at the value.
-    pub(in crate::file) fn validate(&mut self, named: &Named<'_>, v: &Validator) -> Result<(), SceneError> {
+    pub(in crate::file) fn validate(&mut self, named: &Names<'_>, v: &Validator) -> Result<(), SceneError> {
         let bounds = [
             ("volume_drift", self.volume_drift.map(|b| b.max)),
             ("momentum_error", self.momentum_error.map(|b| b.max)),
@@ -289,7 +289,7 @@ impl Expect {
         Ok(())
     }
 
-    fn validate_angles(&mut self, named: &Named<'_>, v: &Validator) -> Result<(), SceneError> {
+    fn validate_angles(&mut self, named: &Names<'_>, v: &Validator) -> Result<(), SceneError> {
         let names: Vec<&str> = named.angles.iter().map(|a| a.0).collect();
         let count = self.contact_angle.len();
         for (i, expected) in self.contact_angle.iter_mut().enumerate() {
@@ -309,7 +309,7 @@ impl Expect {
         Ok(())
     }
 
-    fn validate_solids(&mut self, named: &Named<'_>, v: &Validator) -> Result<(), SceneError> {
+    fn validate_solids(&mut self, named: &Names<'_>, v: &Validator) -> Result<(), SceneError> {
         let known = |path: String, name: &str| v.known_solid(&path, false, name, &named.solids);
         for (i, name) in self.floats.iter().enumerate() {
             known(format!("expect.floats.{i}"), name)?;
@@ -345,7 +345,7 @@ impl Expect {
         Ok(())
     }
 
-    fn validate_deflection(&mut self, named: &Named<'_>, v: &Validator) -> Result<(), SceneError> {
+    fn validate_deflection(&mut self, named: &Names<'_>, v: &Validator) -> Result<(), SceneError> {
         let count = self.deflection.len();
         for (i, deflection) in self.deflection.iter_mut().enumerate() {
             let path = entry("deflection", count, i);

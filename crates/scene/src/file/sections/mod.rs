@@ -28,7 +28,7 @@ mod wetting;
 
 pub use contact_line::{ContactLine, Hysteresis};
 pub use domain::{Domain, Quality, Wall};
-pub(super) use expect::Named;
+pub(super) use expect::Names;
 pub use expect::{Deflection, Expect, Side, Wetted};
 pub use keyframe::Keyframe;
 pub use liquid::{Body, Liquid};
