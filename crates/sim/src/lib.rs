@@ -31,7 +31,7 @@ pub use solid::domain_walls::WETTING_WALL_MARGIN_CELLS;
 pub use solid::mass_properties::MassProperties;
 pub use solid::wettability::{CosineImage, Hysteresis, WettabilityLayer};
 pub use solid::{
-    DEFAULT_FRICTION, DEFAULT_RESTITUTION, MIN_PLATE_THICKNESS_CELLS, Motion, PrescribedMotion, Solid,
+    DEFAULT_FRICTION, DEFAULT_RESTITUTION, MIN_PLATE_THICKNESS_CELLS, PrescribedMotion, Solid, SolidKind,
     SolidState,
 };
 pub use state::{Component, State};

@@ -6,7 +6,7 @@ use meniscus_elastic::{Anchor, Elastic, ElementOrder, SurfaceTension};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_sim::{LineTracker, Model, Motion, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LineTracker, Model, Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::FRAC_PI_2;
 use std::iter::Sum;
 use std::ops::Div;
@@ -118,11 +118,11 @@ impl PlateSetup {
         let low = middle - half;
         let side = |height: f64| vertices_at_height(&mesh.positions, height, middle[0]);
         let (bottom, top) = (side(low[1]), side(low[1] + self.thickness));
-        let motion = match self.support {
-            PlateSupport::Rigid => Motion::Fixed,
-            _ => Motion::Soft(Arc::new(self.elastic(mesh, &low)?)),
+        let kind = match self.support {
+            PlateSupport::Rigid => SolidKind::Fixed,
+            _ => SolidKind::Deformable(Arc::new(self.elastic(mesh, &low)?)),
         };
-        let mut solid = Solid::new(shape, motion, self.density).padded(self.thickness, dx);
+        let mut solid = Solid::new(shape, kind, self.density).padded(self.thickness, dx);
         solid.young_cosine = self.angle.to_radians().cos();
         let t = self.initial_angle.to_radians();
         let radius = self.half_width(self.initial_angle) / t.sin();

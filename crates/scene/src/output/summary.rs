@@ -5,7 +5,7 @@ use crate::estimate::parameters::Parameter;
 use crate::job::{Job, RunStatistics, ThinLiquidStatistics, padded_to_3d};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::RigidTransform;
-use meniscus_sim::{Component, ContactLine, Motion, Quantity, Repairs, Simulation, Solid, SolidState};
+use meniscus_sim::{Component, ContactLine, Quantity, Repairs, Simulation, Solid, SolidKind, SolidState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -204,7 +204,7 @@ impl SolidSummary {
             pressure_force: list(&now.pressure_force),
             line_force: list(&now.contact_line_force),
             contact_angle: angle,
-            contact_force: match (solid.motion == Motion::Free, solid.elastic()) {
+            contact_force: match (solid.kind == SolidKind::Rigid, solid.elastic()) {
                 (true, _) => list(&(now.contact_acceleration * solid.mass_properties.mass)),
                 (_, Some(elastic)) => {
                     list(&(now.contact_acceleration * elastic.masses().iter().sum::<f64>()))

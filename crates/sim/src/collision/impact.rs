@@ -15,7 +15,7 @@ use crate::coupling::impulses::moment;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
 use crate::repairs::Repairs;
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::{Solid, SolidKind, SolidState};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Maximum number of rounds in a step.
@@ -77,11 +77,11 @@ pub fn resolve_impacts<const D: usize>(
     times: StepTimes,
     record: &mut Repairs,
 ) -> f64 {
-    if !model.solids.iter().any(|s| s.motion == Motion::Free && s.restitution > 0.0) {
+    if !model.solids.iter().any(|s| s.kind == SolidKind::Rigid && s.restitution > 0.0) {
         return 0.0;
     }
-    let inverse_masses = model.solids.iter().zip(&*solids).map(|(s, now)| match s.motion {
-        Motion::Free => (1.0 / s.mass_properties.mass, s.inverse_inertia(now)),
+    let inverse_masses = model.solids.iter().zip(&*solids).map(|(s, now)| match s.kind {
+        SolidKind::Rigid => (1.0 / s.mass_properties.mass, s.inverse_inertia(now)),
         _ => (0.0, Matrix::zeros()),
     });
     let (inverse_masses, forced) = (inverse_masses.collect(), solids.to_vec());
@@ -128,7 +128,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
         let to = Configuration::new(self.model, self.solids, points, &velocities, self.times.lookahead);
         let reach = BARRIER_REACH_CELLS * self.model.grid.dx;
         let meetings = CandidatePairs::sdf_pairs_along(Sweep { from: &from, to: &to }, reach);
-        let free = |k: usize| self.model.solids[k].motion == Motion::Free;
+        let free = |k: usize| self.model.solids[k].kind == SolidKind::Rigid;
         let contact = |m: &SdfPair| {
             let owner = &points.owners[m.point() as usize];
             let PointOwner::Rigid { solid, .. } = *owner else { return None };
@@ -191,7 +191,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
             for (k, sign) in [(Some(c.pair.0), -1.0), (c.pair.1, 1.0)] {
                 let Some(k) = k.filter(|k| self.inverse_masses[*k].0 == 0.0) else { continue };
                 work += sign * self.solids[k].velocity_at(&c.at).dot(&impulse);
-                driven |= matches!(self.model.solids[k].motion, Motion::Prescribed(_));
+                driven |= matches!(self.model.solids[k].kind, SolidKind::Prescribed(_));
             }
         }
         if driven || self.energy() <= energy * (1.0 + 1e-12) {
@@ -203,7 +203,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
     }
 
     fn energy(&self) -> f64 {
-        let free = self.model.solids.iter().zip(&*self.solids).filter(|(s, _)| s.motion == Motion::Free);
+        let free = self.model.solids.iter().zip(&*self.solids).filter(|(s, _)| s.kind == SolidKind::Rigid);
         free.map(|(s, now)| s.kinetic_energy(now)).sum()
     }
 

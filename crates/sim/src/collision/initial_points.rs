@@ -4,7 +4,7 @@ use super::broad_phase::{CandidatePairs, Sweep};
 use super::configuration::Configuration;
 use super::points::{BARRIER_REACH_CELLS, CollisionPoints, PointOwner, ProbeSet};
 use crate::model::{Model, Wall};
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::{Solid, SolidKind, SolidState};
 use meniscus_contact::{CollisionMesh, FeaturePairs, Plane};
 use meniscus_elastic::{Assembly, Elastic};
 use meniscus_numerics::Vector;
@@ -174,7 +174,7 @@ fn weight_pressures<const D: usize>(model: &Model<D>, areas: &[f64]) -> Vec<f64>
     let fastest = model.solids.iter().map(initial_speed).fold(0.0, f64::max);
     let stop = 0.5 * fastest * fastest / (BARRIER_REACH_CELLS * model.grid.dx);
     let pressure = |(solid, area): (&Solid<D>, &f64)| {
-        let is_prescribed = solid.motion.is_prescribed() || *area == 0.0;
+        let is_prescribed = solid.kind.is_prescribed() || *area == 0.0;
         let weight = model.gravity.norm() * (2 * D) as f64;
         if is_prescribed { 0.0 } else { solid.mass_properties.mass * (weight + stop) / area }
     };
@@ -254,8 +254,8 @@ fn domain_sides<const D: usize>(model: &Model<D>) -> Vec<Plane<D>> {
 
 /// Initial speed of a solid, or the maximum speed of its prescribed motion, m/s.
 fn initial_speed<const D: usize>(solid: &Solid<D>) -> f64 {
-    match &solid.motion {
-        Motion::Prescribed(path) => {
+    match &solid.kind {
+        SolidKind::Prescribed(path) => {
             let between = |k: &[(f64, Vector<D>); 2]| (k[1].1 - k[0].1).norm() / (k[1].0 - k[0].0);
             let frames = path.keyframes.array_windows().map(between);
             let start = solid.initial_state();
@@ -290,7 +290,7 @@ fn probe_sets<const D: usize>(model: &Model<D>) -> BTreeMap<(usize, usize), Prob
 fn prescribed_nodes<const D: usize>(model: &Model<D>) -> Vec<bool> {
     let of = |solid: &Solid<D>| match solid.elastic() {
         Some(elastic) => elastic.anchored().to_vec(),
-        None => vec![solid.motion.is_prescribed(); 2],
+        None => vec![solid.kind.is_prescribed(); 2],
     };
     model.solids.iter().flat_map(of).collect()
 }

@@ -21,7 +21,7 @@ use crate::contact_line::friction::DraggedFace;
 use crate::flow::pressure::ProjectionOptions;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{SolidKind, SolidState};
 use meniscus_contact::Barrier;
 use meniscus_elastic::{KEPT_FRACTION, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS};
 use meniscus_numerics::Vector;
@@ -202,7 +202,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     /// Updates the lagged elastic forces and viscosities, and the gradients that they enter, to the current velocities.
     fn update_lagged(&mut self) {
         for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first_node) {
-            if let SolidTerm::Soft(soft) = part {
+            if let SolidTerm::Deformable(soft) = part {
                 let count = soft.impulses.len();
                 soft.update_lagged(&self.velocities[*first..first + count]);
             }
@@ -222,7 +222,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             let mut ends = Vec::new();
             for (drag_index, of) in f.drags.iter_mut().enumerate() {
                 let solid = of.solid as usize;
-                if model.solids[solid].motion.is_prescribed() {
+                if model.solids[solid].kind.is_prescribed() {
                     continue;
                 }
                 let end = TiedSolid {
@@ -280,7 +280,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
                 let count = elastic.masses().len();
                 now.contact_acceleration =
                     own[..count].iter().sum::<Vector<D>>() / (solid.mass_properties.mass * impulse_time);
-            } else if solid.motion == Motion::Free {
+            } else if solid.kind == SolidKind::Rigid {
                 now.contact_acceleration = own[0] / (solid.mass_properties.mass * impulse_time);
             }
         }

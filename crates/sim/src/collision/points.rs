@@ -5,7 +5,7 @@
 //! for a point of a rigid solid.
 
 use crate::model::Model;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{SolidKind, SolidState};
 use meniscus_contact::{CollisionMesh, Plane};
 use meniscus_elastic::Assembly;
 use meniscus_numerics::Vector;
@@ -115,7 +115,7 @@ impl<const D: usize> CollisionPoints<D> {
     /// Whether a point may touch a rigid solid. It may not touch its own solid, nor if both have prescribed motion.
     pub fn may_collide(&self, model: &Model<D>, point: u32, solid: usize) -> bool {
         let owner = &self.owners[point as usize];
-        if owner.solid() == solid || model.solids[solid].motion.is_prescribed() && self.is_prescribed(point) {
+        if owner.solid() == solid || model.solids[solid].kind.is_prescribed() && self.is_prescribed(point) {
             return false;
         }
         match self.probe_sets.get(&(owner.solid(), solid)) {
@@ -158,7 +158,7 @@ impl<const D: usize> CollisionPoints<D> {
                 let count = soft.state.velocities.len();
                 soft.state.velocities.copy_from_slice(&own[..count]);
                 now.update_center_of_mass(elastic);
-            } else if solid.motion == Motion::Free {
+            } else if solid.kind == SolidKind::Rigid {
                 (now.velocity, now.angular_velocity) = (own[0], angular_from_node(&own[1]));
             }
         }

@@ -4,7 +4,7 @@ use super::tied_face::{TiedFace, TiedSolid};
 use crate::coupling::impulses::CouplingImpulses;
 use crate::model::Model;
 use crate::solid::deformable::FluxRow;
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::{Solid, SolidKind, SolidState};
 use meniscus_elastic::{AssemblyInverse, Reach};
 use meniscus_numerics::Vector;
 use std::collections::{BTreeMap, BTreeSet};
@@ -166,7 +166,7 @@ impl<const D: usize> SolidResponse<D> {
         let mut all = vec![Vector::zeros(); self.masses.len()];
         let sums = exchange.by_solid(solids.len());
         for (k, solid) in model.solids.iter().enumerate() {
-            if solid.motion == Motion::Free {
+            if solid.kind == SolidKind::Rigid {
                 let about = sums[k].moment_about(&solids[k].center);
                 all[self.first_node[k]] = sums[k].linear;
                 all[self.first_node[k] + 1] = angular_to_node(&about.into());

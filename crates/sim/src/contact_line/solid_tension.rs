@@ -179,7 +179,7 @@ mod tests {
     use crate::model::resolution::BAND_WIDTH_CELLS;
     use crate::model::{Numerics, Wall};
     use crate::solid::deformable::Soft;
-    use crate::solid::{Motion, Solid};
+    use crate::solid::{Solid, SolidKind};
     use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
     use meniscus_numerics::Matrix;
     use meniscus_numerics::grid::Grid;
@@ -203,7 +203,7 @@ mod tests {
         let anchors = Vec::new();
         let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
         let elastic = Elastic::new(description).unwrap_or_else(|e| panic!("{e}"));
-        let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), 1.0);
+        let mut solid = Solid::new(shape, SolidKind::Deformable(Arc::new(elastic)), 1.0);
         solid.young_cosine = angle.to_radians().cos();
         let model = Model {
             grid: Grid::new([32; 2], 1.0 / 32.0),

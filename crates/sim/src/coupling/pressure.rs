@@ -17,7 +17,7 @@ use crate::collision::solid_response::SolidResponse;
 use crate::model::Model;
 use crate::solid::deformable::FluxRow;
 use crate::solid::surface::SurfacePoint;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{SolidKind, SolidState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CutCell, CutCells};
 use meniscus_numerics::linalg::{CoupledBodies, InPlaceSolve, SparseColumn};
@@ -117,7 +117,7 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
                     (first + grip.vertices[k] * D as u32 + a as u32, grip.weights[k] * w.area_vector[a])
                 };
                 flows.push((w.cell, (0..D * D).map(entry).collect()));
-            } else if self.model.solids[solid].motion == Motion::Free {
+            } else if self.model.solids[solid].kind == SolidKind::Rigid {
                 let turn: Vector<D> = angular_to_node(&self.area_moment(w).into());
                 let entry = |n: usize| (first + n as u32, if n < D { w.area_vector[n] } else { turn[n - D] });
                 flows.push((w.cell, (0..2 * D).map(entry).collect()));
@@ -235,7 +235,7 @@ pub fn apply_impulses_to_rigid<const D: usize>(
 ) {
     let sums = exchange.by_solid(solids.len());
     for ((now, solid), sum) in solids.iter_mut().zip(&model.solids).zip(sums) {
-        if solid.motion == Motion::Free {
+        if solid.kind == SolidKind::Rigid {
             now.velocity += sum.linear / solid.mass_properties.mass;
             let spin = Vector::<3>::from(now.angular_velocity)
                 + solid.inverse_inertia(now) * sum.moment_about(&now.center);
@@ -386,7 +386,8 @@ mod tests {
         // A submerged ball, and an inclined bottom.
         let slope = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.3 });
         let bottom = Shape::HalfSpace { point: Vector::from_fn(|_, _| 0.11), normal: slope };
-        let solids = vec![Solid::new(ball(0.22), Motion::Fixed, 1.0), Solid::new(bottom, Motion::Fixed, 1.0)];
+        let solids =
+            vec![Solid::new(ball(0.22), SolidKind::Fixed, 1.0), Solid::new(bottom, SolidKind::Fixed, 1.0)];
         let fall = Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 });
         let p = project::<D>(if D == 2 { 64 } else { 40 }, solids, 0.873, fall);
         // The velocity error is the solver's tolerance, 1e-10. The cut cells' volume is second-order accurate.
@@ -414,9 +415,10 @@ mod tests {
             rotation: Matrix::identity(),
         };
         let shell = Shape::Difference { of: Box::new(all), minus: Box::new(ball(0.45)) };
-        let mut inner = Solid::new(ball(0.2), Motion::Free, density);
+        let mut inner = Solid::new(ball(0.2), SolidKind::Rigid, density);
         inner.initial_velocity[0] = 1.0;
-        let p = project::<D>(cells, vec![inner, Solid::new(shell, Motion::Fixed, 1.0)], 9.0, Vector::zeros());
+        let p =
+            project::<D>(cells, vec![inner, Solid::new(shell, SolidKind::Fixed, 1.0)], 9.0, Vector::zeros());
         (p.state.solids[0].velocity[0], p.solves.iter().map(|s| s.iterations).sum())
     }
 

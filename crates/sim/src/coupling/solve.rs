@@ -285,7 +285,7 @@ pub fn prescribed_solid_work<const D: usize>(
     let mut work = 0.0;
     for (pair, impulse) in given.iter().flat_map(|g| &g.pairs) {
         let now = &state.solids[pair.solid as usize];
-        if model.solids[pair.solid as usize].motion.is_prescribed() {
+        if model.solids[pair.solid as usize].kind.is_prescribed() {
             let turning = impulse.moment_about(&now.center).dot(&Vector::<3>::from(now.angular_velocity));
             work -= impulse.linear.dot(&now.velocity) + turning;
         }

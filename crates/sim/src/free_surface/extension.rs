@@ -18,7 +18,7 @@ use crate::flow::advection::VelocitySampler;
 use crate::model::Model;
 use crate::model::resolution::{BAND_WIDTH_CELLS, GRADIENT_NORM_TOLERANCE};
 use crate::model::time_step::MAX_DT_GROWTH;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{SolidKind, SolidState};
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Sampler, lattice_points};
@@ -248,7 +248,7 @@ pub fn extend_into_solids<const D: usize>(
         }
     }
     let non_distance_cells = separate_sides(model, &mut state.phi.data, cut, across);
-    let moving = model.solids.iter().any(|s| s.motion != Motion::Fixed);
+    let moving = model.solids.iter().any(|s| s.kind != SolidKind::Fixed);
     ExtensionResult {
         non_distance_cells,
         overwritten_phi: if moving { extend_signs_beyond_band(model, state, band, cut) } else { Vec::new() },

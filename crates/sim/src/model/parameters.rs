@@ -97,7 +97,7 @@ impl Default for Numerics {
 impl<const D: usize> Model<D> {
     /// Whether forces move any solid, that is, whether one is free or deformable.
     pub fn has_dynamic_solids(&self) -> bool {
-        self.solids.iter().any(|s| !s.motion.is_prescribed())
+        self.solids.iter().any(|s| !s.kind.is_prescribed())
     }
 
     /// Boundary extension of scalars beyond the sides.

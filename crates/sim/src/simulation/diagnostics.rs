@@ -149,7 +149,7 @@ pub fn max_velocity_component<const D: usize>(
 /// Potential energy of the liquid and of dynamic solids, J.
 pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let liquid_energy = |d: &Component<D>| -d.target_volume * model.gravity.dot(&d.centroid);
-    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_prescribed());
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.kind.is_prescribed());
     let solids: f64 = solids.map(|(s, now)| -s.mass_properties.mass * model.gravity.dot(&now.center)).sum();
     model.density * state.components.iter().map(liquid_energy).sum::<f64>() + solids
 }
@@ -183,7 +183,7 @@ fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f
 
 /// Kinetic energy of the liquid and of dynamic solids, J.
 fn total_kinetic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_prescribed());
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.kind.is_prescribed());
     state.kinetic_energy + solids.map(|(s, now)| s.kinetic_energy(now)).sum::<f64>()
 }
 

@@ -24,7 +24,7 @@ use crate::model::time_step::{
     MAX_DT_GROWTH, PhaseEnd, StepTimes, impulse_time, lookahead_time, unbounded_impulse_time,
 };
 use crate::repairs::Repairs;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{SolidKind, SolidState};
 use crate::state::State;
 use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::linalg::{SolveError, SolveReport};
@@ -252,7 +252,7 @@ fn solid_repairs<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs 
         let soft = solid.elastic().zip(now.soft.as_ref());
         let crushed = soft.map_or(0, |(elastic, soft)| elastic.crushed_elements(&soft.state.positions));
         repairs.crushed_elements += crushed as u64;
-        let is_singular = solid.motion == Motion::Free && solid.inverse_inertia(now).norm_squared() == 0.0;
+        let is_singular = solid.kind == SolidKind::Rigid && solid.inverse_inertia(now).norm_squared() == 0.0;
         repairs.singular_inertia += u64::from(is_singular);
     }
     repairs
@@ -269,7 +269,7 @@ fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mu
 /// Adds gravity to the velocity.
 fn apply_gravity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>, dt: f64) {
     for (now, solid) in state.solids.iter_mut().zip(&model.solids) {
-        now.velocity += if solid.motion == Motion::Free { model.gravity * dt } else { Vector::zeros() };
+        now.velocity += if solid.kind == SolidKind::Rigid { model.gravity * dt } else { Vector::zeros() };
     }
     for a in (0..D).filter(|&a| model.gravity[a] != 0.0) {
         let velocity_change = model.gravity[a] * dt;

@@ -8,7 +8,7 @@ use crate::free_surface::energy::DualGrid;
 use crate::model::Model;
 use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS};
 use crate::repairs::Repairs;
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::{Solid, SolidKind, SolidState};
 use crate::state::State;
 use meniscus_numerics::grid::{
     Band, CellField, CutCells, Grid, Run, Runs, Sampler, Segment, Tiles, VelocityExtension, lattice_points,
@@ -116,7 +116,7 @@ impl<const D: usize> Workspace<D> {
 
     /// Rebuilds the cut cells if any solid moves.
     pub fn update_cut_cells(&mut self, model: &Model<D>, state: &State<D>) {
-        if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
+        if model.solids.iter().any(|s| s.kind != SolidKind::Fixed) {
             self.rebuild_cut_cells(model, &state.solids);
         }
     }

@@ -5,7 +5,7 @@
 //! collide with the sides themselves ([`crate::collision`]).
 
 use super::wettability::Hysteresis;
-use super::{Motion, Solid, SolidState};
+use super::{Solid, SolidKind, SolidState};
 use crate::model::{Model, Wall};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
@@ -33,7 +33,7 @@ impl<const D: usize> Model<D> {
         });
         self.grid = self.grid.with_margin(margin);
         if self.has_wetting_walls() {
-            let solid = Solid::new(self.exterior_shape(), Motion::Fixed, self.density);
+            let solid = Solid::new(self.exterior_shape(), SolidKind::Fixed, self.density);
             self.solids.push(Solid { young_cosine, line_friction, hysteresis, ..solid });
         }
         self

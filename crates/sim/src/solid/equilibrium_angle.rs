@@ -71,7 +71,7 @@ fn tangents<const D: usize>(n: &Vector<D>) -> [Vector<D>; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solid::Motion;
+    use crate::solid::SolidKind;
     use crate::solid::wettability::CosineImage;
     use crate::solid::wettability::{Hysteresis, WettabilityLayer};
     use meniscus_numerics::Matrix;
@@ -86,7 +86,7 @@ mod tests {
             half_size: Vector::from_fn(|a, _| if last(a) { 0.2 } else { 1.0 }),
             rotation: Matrix::identity(),
         };
-        let mut solid = Solid::new(shape, Motion::Free, 1.0);
+        let mut solid = Solid::new(shape, SolidKind::Rigid, 1.0);
         (solid.young_cosine, solid.pattern) = (-0.5, pattern);
         solid
     }

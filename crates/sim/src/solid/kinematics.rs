@@ -20,7 +20,7 @@ pub struct Solid<const D: usize> {
     /// Shape and position at the start.
     pub shape: Shape<D>,
     /// What moves it.
-    pub motion: Motion<D>,
+    pub kind: SolidKind<D>,
     /// Initial velocity, m/s.
     pub initial_velocity: Vector<D>,
     /// Mass, centre of mass and inertia.
@@ -51,30 +51,30 @@ pub const DEFAULT_FRICTION: f64 = 0.3;
 
 /// What moves a solid.
 #[derive(Clone, Debug)]
-pub enum Motion<const D: usize> {
+pub enum SolidKind<const D: usize> {
     /// It stays at rest.
     Fixed,
     /// A prescribed motion.
     Prescribed(PrescribedMotion<D>),
     /// Rigid motion under gravity, liquid and contacts.
-    Free,
+    Rigid,
     /// Deformation under the same and its own elastic forces.
-    Soft(Arc<Elastic<D>>),
+    Deformable(Arc<Elastic<D>>),
 }
 
-impl<const D: usize> Motion<D> {
+impl<const D: usize> SolidKind<D> {
     /// Whether the motion does not depend on forces.
     pub fn is_prescribed(&self) -> bool {
         matches!(self, Self::Fixed | Self::Prescribed(_))
     }
 }
 
-impl<const D: usize> PartialEq for Motion<D> {
+impl<const D: usize> PartialEq for SolidKind<D> {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Fixed, Self::Fixed) | (Self::Free, Self::Free) => true,
+            (Self::Fixed, Self::Fixed) | (Self::Rigid, Self::Rigid) => true,
             (Self::Prescribed(a), Self::Prescribed(b)) => a == b,
-            (Self::Soft(a), Self::Soft(b)) => Arc::ptr_eq(a, b),
+            (Self::Deformable(a), Self::Deformable(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
     }
@@ -115,16 +115,16 @@ pub struct SolidState<const D: usize> {
 impl<const D: usize> Solid<D> {
     /// A homogeneous solid of a density, kg/m³, at rest and with a contact angle of 90 degrees, with [`DEFAULT_RESTITUTION`] and
     /// [`DEFAULT_FRICTION`]. An unbounded solid has no finite mass to move freely: it is fixed.
-    pub fn new(shape: Shape<D>, motion: Motion<D>, density: f64) -> Self {
+    pub fn new(shape: Shape<D>, kind: SolidKind<D>, density: f64) -> Self {
         let mut mass_properties = MassProperties::homogeneous(&shape, density);
-        if let Motion::Soft(elastic) = &motion {
+        if let SolidKind::Deformable(elastic) = &kind {
             mass_properties.mass = elastic.masses().iter().sum();
         }
-        let is_massless = motion == Motion::Free && !mass_properties.mass.is_finite();
-        let motion = if is_massless { Motion::Fixed } else { motion };
+        let is_massless = kind == SolidKind::Rigid && !mass_properties.mass.is_finite();
+        let kind = if is_massless { SolidKind::Fixed } else { kind };
         Self {
             shape,
-            motion,
+            kind,
             initial_velocity: Vector::zeros(),
             mass_properties,
             padding: 0.0,
@@ -146,8 +146,8 @@ impl<const D: usize> Solid<D> {
 
     /// State at the start.
     pub fn initial_state(&self) -> SolidState<D> {
-        let (velocity, angular_velocity) = match &self.motion {
-            Motion::Prescribed(path) => (path.mean_velocity(0.0, 1e-9), path.angular_velocity),
+        let (velocity, angular_velocity) = match &self.kind {
+            SolidKind::Prescribed(path) => (path.mean_velocity(0.0, 1e-9), path.angular_velocity),
             _ => (self.initial_velocity, [0.0; 3]),
         };
         let (center, rotation, none) = (self.mass_properties.center, Matrix::identity(), Vector::zeros());
@@ -182,12 +182,12 @@ impl<const D: usize> Solid<D> {
 
     /// The elastic body, if it deforms.
     pub fn elastic(&self) -> Option<&Elastic<D>> {
-        if let Motion::Soft(elastic) = &self.motion { Some(elastic) } else { None }
+        if let SolidKind::Deformable(elastic) = &self.kind { Some(elastic) } else { None }
     }
 
     /// Whether it moves freely as a whole.
     pub fn is_unconstrained(&self) -> bool {
-        self.motion == Motion::Free
+        self.kind == SolidKind::Rigid
             || self.elastic().is_some_and(|elastic| !elastic.anchored().contains(&true))
     }
 
@@ -273,15 +273,15 @@ impl<const D: usize> Solid<D> {
     /// Advances it from `time` by `dt` (s). The velocity of a prescribed motion is then that of the coming step, for which the liquid's
     /// is solved.
     pub fn advance(&self, now: &mut SolidState<D>, time: f64, dt: f64) {
-        match &self.motion {
-            Motion::Fixed => {}
-            Motion::Prescribed(path) => {
+        match &self.kind {
+            SolidKind::Fixed => {}
+            SolidKind::Prescribed(path) => {
                 now.center = self.mass_properties.center + path.displacement(time + dt);
                 now.velocity = path.mean_velocity(time + dt, dt);
                 now.angular_velocity = path.angular_velocity;
                 now.rotation = rotated(&now.rotation, &path.angular_velocity, dt);
             }
-            Motion::Free => {
+            SolidKind::Rigid => {
                 now.center += now.velocity * dt;
                 let momentum = self.angular_momentum(now);
                 let mut half = now.clone();
@@ -290,7 +290,7 @@ impl<const D: usize> Solid<D> {
                 now.rotation = rotated(&now.rotation, &spin, dt);
                 now.angular_velocity = (self.inverse_inertia(now) * momentum).into();
             }
-            Motion::Soft(elastic) => {
+            SolidKind::Deformable(elastic) => {
                 now.soft.iter_mut().for_each(|soft| soft.advance(elastic, dt));
                 now.update_center_of_mass(elastic);
             }
@@ -390,7 +390,7 @@ mod tests {
             half_size: Vector::<3>::new(0.5, 0.3, 0.1),
             rotation: Matrix::identity(),
         };
-        let solid = Solid::new(shape, Motion::Free, 1.0);
+        let solid = Solid::new(shape, SolidKind::Rigid, 1.0);
         let mut now = solid.initial_state();
         // Rotation about the middle axis is unstable: the box flips over and over.
         now.angular_velocity = [0.01, 1.0, 0.02];
@@ -419,7 +419,7 @@ mod tests {
         assert!((path.displacement(2.0) - Vector::<2>::new(0.2, -0.1)).norm() < 1e-15);
         assert_eq!(path.displacement(9.0), Vector::<2>::new(0.4, -0.2));
         let shape = Shape::Ball { center: Vector::<2>::new(0.5, 0.5), radius: 0.1 };
-        let solid = Solid::new(shape, Motion::Prescribed(path), 1.0);
+        let solid = Solid::new(shape, SolidKind::Prescribed(path), 1.0);
         let mut now = solid.initial_state();
         solid.advance(&mut now, 2.5, 0.25);
         assert!((solid.distance(&now, &(now.center + Vector::<2>::new(0.3, 0.0))) - 0.2).abs() < 1e-12);

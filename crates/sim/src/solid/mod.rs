@@ -9,6 +9,6 @@ pub mod surface;
 pub mod wettability;
 
 pub use kinematics::{
-    DEFAULT_FRICTION, DEFAULT_RESTITUTION, MIN_PLATE_THICKNESS_CELLS, Motion, PrescribedMotion, Solid,
+    DEFAULT_FRICTION, DEFAULT_RESTITUTION, MIN_PLATE_THICKNESS_CELLS, PrescribedMotion, Solid, SolidKind,
     SolidState,
 };

@@ -6,7 +6,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
-    LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, SolidState, Wall,
+    LiquidRegion, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, SolidState, Wall,
 };
 
 const GRAVITY: f64 = 10.0;
@@ -43,13 +43,13 @@ fn run<const D: usize>(simulation: &mut Simulation<D>, time: f64, mut each: impl
 }
 
 fn ball<const D: usize>(center: Vector<D>, radius: f64, velocity: Vector<D>) -> Solid<D> {
-    let mut ball = Solid::new(Shape::Ball { center, radius }, Motion::Free, 2.0);
+    let mut ball = Solid::new(Shape::Ball { center, radius }, SolidKind::Rigid, 2.0);
     ball.initial_velocity = velocity;
     ball
 }
 
-pub fn block<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Motion<D>) -> Solid<D> {
-    Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, motion, 2.0)
+pub fn block<const D: usize>(center: Vector<D>, half_size: Vector<D>, kind: SolidKind<D>) -> Solid<D> {
+    Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, kind, 2.0)
 }
 
 fn last<const D: usize>(x: &Vector<D>) -> f64 {
@@ -61,7 +61,7 @@ fn books<const D: usize>(s: &Simulation<D>) -> (Vector<D>, Vector<3>, f64) {
     let mut sum = (Vector::zeros(), Vector::zeros(), 0.0);
     let three = |v: &Vector<D>| Vector::<3>::from_fn(|a, _| if a < D { v[a] } else { 0.0 });
     for (solid, now) in s.model.solids.iter().zip(&s.state.solids) {
-        if solid.motion == Motion::Free {
+        if solid.kind == SolidKind::Rigid {
             sum.0 += now.velocity * solid.mass_properties.mass;
             sum.1 += solid.angular_momentum(now)
                 + three(&now.center).cross(&three(&now.velocity)) * solid.mass_properties.mass;
@@ -106,7 +106,7 @@ fn incline<const D: usize>(friction: f64, expected: impl Fn(f64) -> f64) {
     let mut normal = Vector::zeros();
     (normal[0], normal[D - 1]) = (alpha.sin(), alpha.cos());
     let point = Vector::repeat(0.3);
-    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
+    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, SolidKind::Fixed, 1.0);
     let center = Vector::<D>::from_fn(|a, _| if a == 0 { 0.2 } else { 0.3 });
     let center = center + normal * (0.1 + 0.05 * DX + (point - center).dot(&normal));
     let mut ball = ball(center, 0.1, Vector::zeros());
@@ -176,12 +176,13 @@ fn balls_in_a_row_hand_the_blow_on() {
 
 fn off_centre<const D: usize>() {
     let mut first =
-        block::<D>(Vector::repeat(0.3), Vector::from_fn(|a, _| 0.12 - 0.03 * a as f64), Motion::Free);
+        block::<D>(Vector::repeat(0.3), Vector::from_fn(|a, _| 0.12 - 0.03 * a as f64), SolidKind::Rigid);
     first.initial_velocity = Vector::from_fn(|a, _| 1.0 - 0.1 * a as f64);
     let mut center = Vector::repeat(0.55);
     center[0] = 0.6;
     let axis = Vector::from_fn(|a, _| 0.4 + a as f64);
-    let second = Solid::new(Shape::Cylinder { center, axis, radius: 0.07, height: 0.3 }, Motion::Free, 1.0);
+    let second =
+        Solid::new(Shape::Cylinder { center, axis, radius: 0.07, height: 0.3 }, SolidKind::Rigid, 1.0);
     let Simulation { mut model, .. } = dry::<D>(vec![first, second], Vector::zeros(), LONG);
     model.walls = [[Wall::Open; 2]; D];
     let mut simulation = Simulation::new(model, &[]);
@@ -214,7 +215,7 @@ fn rests<const D: usize>(count: usize, flush: bool) {
     let boxes = (0..count).map(|k| {
         let mut center = Vector::repeat(0.5 + 0.003 * k as f64);
         center[D - 1] = 0.06 + gap + k as f64 * (0.12 + gap);
-        block(center, half, Motion::Free)
+        block(center, half, SolidKind::Rigid)
     });
     let mut simulation = dry::<D>(boxes.collect(), down(), LONG);
     let way = |s: &Simulation<D>, start: &[SolidState<D>]| {
@@ -255,7 +256,7 @@ fn dropped_stack<const D: usize>() {
     let boxes = (0..3).map(|k| {
         let mut center = Vector::repeat(0.5 + 0.01 * k as f64);
         center[D - 1] = 0.1 + k as f64 * 0.13;
-        block(center, half, Motion::Free)
+        block(center, half, SolidKind::Rigid)
     });
     let mut simulation = dry::<D>(boxes.collect(), down(), LONG);
     run(&mut simulation, 3.0, |_| ());
@@ -278,9 +279,9 @@ fn bar_meets_plate<const D: usize>() {
     let thin = |a: usize| if a == 0 { 0.15 * DX } else { 0.2 };
     let mut center = Vector::repeat(0.5);
     center[0] = 0.3;
-    let mut bar = block::<D>(center, Vector::from_fn(|a, _| thin(a)), Motion::Free);
+    let mut bar = block::<D>(center, Vector::from_fn(|a, _| thin(a)), SolidKind::Rigid);
     bar.initial_velocity = Vector::from_fn(|a, _| if a == 0 { 50.0 } else { 0.0 });
-    let plate = block::<D>(Vector::repeat(0.6), Vector::from_fn(|a, _| thin(a)), Motion::Free);
+    let plate = block::<D>(Vector::repeat(0.6), Vector::from_fn(|a, _| thin(a)), SolidKind::Rigid);
     let mut simulation = dry::<D>(vec![bar, plate], Vector::zeros(), LONG);
     let mut fastest = 0.0f64;
     for _ in 0..60 {
@@ -308,8 +309,8 @@ fn a_pusher_moves_a_box_with_its_own_speed_and_its_work_is_told() {
         angular_velocity: [0.0; 3],
         keyframes: Vec::new(),
     };
-    let pusher = block(Vector::<2>::new(0.2, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Prescribed(path));
-    let mut cargo = block(Vector::<2>::new(0.42, 0.1), Vector::<2>::new(0.1, 0.1), Motion::Free);
+    let pusher = block(Vector::<2>::new(0.2, 0.3), Vector::<2>::new(0.05, 0.2), SolidKind::Prescribed(path));
+    let mut cargo = block(Vector::<2>::new(0.42, 0.1), Vector::<2>::new(0.1, 0.1), SolidKind::Rigid);
     cargo.friction = 0.2;
     let mut simulation = dry(vec![pusher, cargo], down(), LONG);
     run(&mut simulation, 1.6, |_| ());
@@ -333,8 +334,8 @@ fn what_a_bat_hits_leaves_it_twice_as_fast() {
         };
         let at = |x: f64| Vector::<2>::from([x, 0.5]);
         let mut solids = vec![
-            block(at(0.4 - bat), Vector::repeat(bat), Motion::Prescribed(path)),
-            block(at(0.45 + hit), Vector::repeat(hit), Motion::Free),
+            block(at(0.4 - bat), Vector::repeat(bat), SolidKind::Prescribed(path)),
+            block(at(0.45 + hit), Vector::repeat(hit), SolidKind::Rigid),
         ];
         solids.iter_mut().for_each(|s| s.restitution = 1.0);
         let mut simulation = dry(solids, Vector::zeros(), 5e-3);
@@ -351,7 +352,7 @@ fn what_is_left_no_room_ends_with_an_error_in_bounded_time() {
         angular_velocity: [0.0; 3],
         keyframes: Vec::new(),
     };
-    let pusher = block(Vector::<2>::new(0.4, 0.3), Vector::<2>::new(0.05, 0.2), Motion::Prescribed(path));
+    let pusher = block(Vector::<2>::new(0.4, 0.3), Vector::<2>::new(0.05, 0.2), SolidKind::Prescribed(path));
     let ball = ball(Vector::<2>::new(0.8, 0.1 + 0.1 * DX), 0.1, Vector::zeros());
     let mut s = dry(vec![pusher, ball], down(), LONG);
     let mut steps = 0;
@@ -369,14 +370,15 @@ fn what_is_left_no_room_ends_with_an_error_in_bounded_time() {
 fn a_ball_comes_to_rest_between_two_slopes_and_in_a_bowl() {
     let slope =
         |x: f64| Shape::HalfSpace { point: Vector::<2>::repeat(0.2), normal: Vector::<2>::new(x, 1.0) };
-    let valley = Solid::new(Shape::Union(vec![slope(1.0), slope(-1.0)]), Motion::Fixed, 1.0);
+    let valley = Solid::new(Shape::Union(vec![slope(1.0), slope(-1.0)]), SolidKind::Fixed, 1.0);
     let all = Shape::Box {
         center: Vector::<2>::new(0.5, 0.3),
         half_size: Vector::<2>::new(0.45, 0.25),
         rotation: Matrix::identity(),
     };
     let hole = Shape::Ball { center: Vector::<2>::new(0.5, 0.6), radius: 0.4 };
-    let bowl = Solid::new(Shape::Difference { of: Box::new(all), minus: Box::new(hole) }, Motion::Fixed, 1.0);
+    let bowl =
+        Solid::new(Shape::Difference { of: Box::new(all), minus: Box::new(hole) }, SolidKind::Fixed, 1.0);
     for (rest, lowest) in
         [(valley, Vector::<2>::new(0.2, 0.2 + 0.1 * 2.0f64.sqrt())), (bowl, Vector::<2>::new(0.5, 0.3))]
     {
@@ -442,7 +444,7 @@ fn a_heavy_ball_sinks_and_rests_on_the_floor() {
 /// A drop on a plate in free fall sideways: the plate hits the side, the drop does not feel it until its pressure does.
 #[test]
 fn a_hit_is_not_given_back_to_the_drop() {
-    let mut plate = block(Vector::<2>::new(0.3, 0.4), Vector::<2>::new(0.25, 0.06), Motion::Free);
+    let mut plate = block(Vector::<2>::new(0.3, 0.4), Vector::<2>::new(0.25, 0.06), SolidKind::Rigid);
     (plate.initial_velocity, plate.restitution, plate.young_cosine) = (Vector::<2>::new(-1.0, 0.0), 1.0, 0.5);
     let mass = plate.mass_properties.mass;
     let cells = 48;

@@ -6,7 +6,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    ContactLine, LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, Wall,
+    ContactLine, LineTracker, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, Wall,
 };
 use std::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ fn up<const D: usize>() -> Vector<D> {
 /// A ball of liquid (radius 1, centre given) on a solid, `cells` per radius.
 fn drop_on<const D: usize>(cells: usize, center: Vector<D>, shape: Shape<D>, angle: f64) -> Simulation<D> {
     let dx = 1.0 / cells as f64;
-    let mut solid = Solid::new(shape, Motion::Fixed, 1.0);
+    let mut solid = Solid::new(shape, SolidKind::Fixed, 1.0);
     solid.young_cosine = angle.to_radians().cos();
     let model = Model {
         grid: Grid::new([3 * cells; D], dx),

@@ -6,7 +6,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
-    LineTracker, LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall,
+    LineTracker, LiquidRegion, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, Wall,
     WettabilityLayer,
 };
 
@@ -25,8 +25,8 @@ fn drop_on<const D: usize>(
     let along = Vector::<D>::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
     let path =
         PrescribedMotion { velocity: along * speed, angular_velocity: [0.0; 3], keyframes: Vec::new() };
-    let motion = if speed == 0.0 { Motion::Fixed } else { Motion::Prescribed(path) };
-    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, motion, 1.0);
+    let kind = if speed == 0.0 { SolidKind::Fixed } else { SolidKind::Prescribed(path) };
+    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, kind, 1.0);
     let stripe = Shape::Box {
         center: point + along * (0.5 * (low + high)),
         half_size: Vector::from_fn(|a, _| if a == 0 { 0.5 * (high - low) } else { 50.0 }),

@@ -7,7 +7,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall};
+use meniscus_sim::{Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, Wall};
 use std::sync::Arc;
 
 pub const GRAVITY: f64 = 10.0;
@@ -95,13 +95,13 @@ pub fn soft<const D: usize>(
         rotation: Matrix::identity(),
     };
     let mass: f64 = elastic.masses().iter().sum();
-    let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), DENSITY);
+    let mut solid = Solid::new(shape, SolidKind::Deformable(Arc::new(elastic)), DENSITY);
     solid.mass_properties.mass = mass;
     solid
 }
 
-pub fn rigid<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Motion<D>) -> Solid<D> {
-    Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, motion, DENSITY)
+pub fn rigid<const D: usize>(center: Vector<D>, half_size: Vector<D>, kind: SolidKind<D>) -> Solid<D> {
+    Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, kind, DENSITY)
 }
 
 pub fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: f64) -> Simulation<D> {
@@ -157,7 +157,7 @@ pub fn books<const D: usize>(s: &Simulation<D>) -> (Vector<D>, Vector<3>) {
         if let (Some(elastic), Some(soft)) = (solid.elastic(), &now.soft) {
             sum.0 += elastic.momentum(&soft.state);
             sum.1 += Vector::from(elastic.angular_momentum(&soft.state));
-        } else if solid.motion == Motion::Free {
+        } else if solid.kind == SolidKind::Rigid {
             sum.0 += now.velocity * solid.mass_properties.mass;
             sum.1 += solid.angular_momentum(now)
                 + three(&now.center).cross(&three(&now.velocity)) * solid.mass_properties.mass;
@@ -286,7 +286,7 @@ fn slides<const D: usize>(friction: f64) {
     };
     let (normal, along) = (turned(0.0, 1.0), turned(1.0, 0.0));
     let point = Vector::repeat(0.3);
-    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
+    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, SolidKind::Fixed, 1.0);
     let (half, low) = (0.08, 0.05 * DX);
     let middle = at(0.25, 0.0);
     let middle = middle + normal * (half + low + (point - middle).dot(&normal));
@@ -328,7 +328,7 @@ fn a_soft_block_slides_or_sticks_on_an_incline() {
 
 /// With no gap at the start but for rounding, on a floor that ends under the block.
 fn stands<const D: usize>() {
-    let floor = rigid(at(0.5, 0.25), Vector::repeat(0.125), Motion::Fixed);
+    let floor = rigid(at(0.5, 0.25), Vector::repeat(0.125), SolidKind::Fixed);
     let mesh =
         block([4; D], at(0.5, 0.5 + 1e-12), Vector::from_fn(|a, _| if a + 1 == D { 0.125 } else { 0.1875 }));
     let mut simulation = dry::<D>(vec![floor, soft(mesh, 1e4, 0.3, Vec::new())], down(), 1e-3);
@@ -352,7 +352,7 @@ fn ball_on_beam<const D: usize>(n: [usize; D], half: Vector<D>) {
     let ends = Anchor::within(&mesh, |x: &Vector<D>| (x[0] - 0.5).abs() > half[0] - 1e-9);
     let beam = soft(mesh, 2e5, 0.05, vec![ends]);
     let center = at(0.45, 0.55);
-    let ball = Solid::new(Shape::Ball { center, radius: 0.12 }, Motion::Free, DENSITY);
+    let ball = Solid::new(Shape::Ball { center, radius: 0.12 }, SolidKind::Rigid, DENSITY);
     let mut simulation = dry::<D>(vec![beam, ball], down(), 5e-3);
     let (mut worst, mut lowest) = (f64::NEG_INFINITY, 1.0f64);
     run(&mut simulation, 0.6, |s| {
@@ -376,13 +376,13 @@ fn squeezed<const D: usize>(n: [usize; D]) {
     half[D - 1] = 0.06;
     let flat = Vector::from_fn(|a, _| if a + 1 == D { 0.04 } else { 0.35 });
     let plate = soft(block(n, at(0.5, 0.36), half), 1e3, 0.1, Vec::new());
-    let floor = rigid(at(0.5, 0.25), flat, Motion::Fixed);
+    let floor = rigid(at(0.5, 0.25), flat, SolidKind::Fixed);
     let path = PrescribedMotion {
         velocity: Vector::zeros(),
         angular_velocity: [0.0; 3],
         keyframes: vec![(0.0, Vector::zeros()), (0.3, at::<D>(0.0, -0.075) - (at::<D>(0.0, 0.0)))],
     };
-    let lid = rigid(at(0.5, 0.48), flat, Motion::Prescribed(path));
+    let lid = rigid(at(0.5, 0.48), flat, SolidKind::Prescribed(path));
     let mut simulation = dry::<D>(vec![floor, plate, lid], Vector::zeros(), 5e-3);
     let mut worst = f64::NEG_INFINITY;
     run(&mut simulation, 0.5, |s| worst = worst.max(depth(s)));

@@ -8,7 +8,7 @@ use crate::soft_collide::{
 use meniscus_elastic::Anchor;
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Motion, Simulation, Solid};
+use meniscus_sim::{LiquidRegion, Simulation, Solid, SolidKind};
 
 /// Distance of far parts of a strip with so many columns of vertices, m.
 fn own_distance(s: &Simulation<2>, columns: usize) -> f64 {
@@ -142,7 +142,7 @@ fn edges_first<const D: usize>(n: [usize; D], speed: f64) {
     let mut solids = vec![plate(1.4, 0.6, at(0.25, 0.5)), plate(0.1, 0.2, at(0.62, 0.52))];
     solids[0].initial_velocity[0] = speed;
     solids[1].initial_velocity[0] = -speed;
-    solids.push(rigid(at(0.5, 0.15), Vector::repeat(0.08), Motion::Free));
+    solids.push(rigid(at(0.5, 0.15), Vector::repeat(0.08), SolidKind::Rigid));
     solids[2].initial_velocity[D - 1] = 0.7 * speed;
     let mut simulation = dry::<D>(solids, Vector::zeros(), 1.0);
     let start = books(&simulation);
@@ -182,7 +182,7 @@ fn heaps<const D: usize>(n: usize, time: f64) {
             _ => 0.5 + 0.01 * (k % 4) as f64,
         });
         solids.push(if k % 4 == 3 {
-            Solid::new(Shape::Ball { center: place, radius: 0.12 }, Motion::Free, DENSITY)
+            Solid::new(Shape::Ball { center: place, radius: 0.12 }, SolidKind::Rigid, DENSITY)
         } else {
             soft(ball(n, place, 0.12), 300.0, 0.1, Vec::new())
         });

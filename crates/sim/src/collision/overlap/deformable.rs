@@ -43,7 +43,7 @@ pub fn soft_overlaps<const D: usize>(
             let solid = &model.solids[j];
             let within = |x: &Vector<D>| -solid.distance(other, x);
             // Anchored vertices may lie inside a solid with prescribed motion.
-            let is_prescribed = solid.motion.is_prescribed();
+            let is_prescribed = solid.kind.is_prescribed();
             let mut depth =
                 if is_prescribed { &unanchored } else { vertices }.iter().map(within).fold(0.0, f64::max);
             let is_anchored_inside =

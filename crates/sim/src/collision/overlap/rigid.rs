@@ -2,7 +2,7 @@
 
 use super::Overlap;
 use crate::model::{Model, Wall};
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::{Solid, SolidKind, SolidState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::SurfaceSample;
 
@@ -11,13 +11,13 @@ const PROBE_SPACING_CELLS: f64 = 0.5;
 
 /// All overlaps in the current configuration. Solids with prescribed motion may overlap each other.
 pub fn overlaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Overlap> {
-    if model.solids.iter().all(|s| s.motion.is_prescribed()) {
+    if model.solids.iter().all(|s| s.kind.is_prescribed()) {
         return Vec::new();
     }
     let probes: Vec<Vec<SurfaceSample<D>>> =
         model.solids.iter().enumerate().map(|(i, s)| probes(model, i, s)).collect();
     let soft = super::deformable::soft_overlaps(model, solids, &probes);
-    let free = |i: usize| model.solids[i].motion == Motion::Free;
+    let free = |i: usize| model.solids[i].kind == SolidKind::Rigid;
     let mut all = Vec::new();
     for (i, own) in probes.iter().enumerate() {
         let [low, high] = model.solids[i].bounds(&solids[i]);

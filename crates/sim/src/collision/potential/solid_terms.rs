@@ -5,7 +5,7 @@ use crate::collision::points::angular_to_node;
 use crate::coupling::impulses::CouplingImpulses;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::{Solid, SolidKind, SolidState};
 use meniscus_elastic::{Elastic, ElasticState, IncrementalPotential, StiffnessBlock};
 use meniscus_numerics::{Matrix, Vector};
 
@@ -48,11 +48,11 @@ pub fn solid_terms<'a, const D: usize>(
     loads: &'a [Option<DeformableLoads<D>>],
     times: StepTimes,
 ) -> Vec<SolidTerm<'a, D>> {
-    let term = |k: usize| match (&model.solids[k].motion, &loads[k], &before[k].soft) {
-        (Motion::Soft(elastic), Some(loads), Some(soft)) => {
-            SolidTerm::Soft(soft_term(elastic, &soft.state, loads, times))
+    let term = |k: usize| match (&model.solids[k].kind, &loads[k], &before[k].soft) {
+        (SolidKind::Deformable(elastic), Some(loads), Some(soft)) => {
+            SolidTerm::Deformable(soft_term(elastic, &soft.state, loads, times))
         }
-        (Motion::Free, ..) => SolidTerm::Free(rigid_term(&model.solids[k], &before[k], &forced[k])),
+        (SolidKind::Rigid, ..) => SolidTerm::Rigid(rigid_term(&model.solids[k], &before[k], &forced[k])),
         _ => SolidTerm::Prescribed,
     };
     (0..model.solids.len()).map(term).collect()

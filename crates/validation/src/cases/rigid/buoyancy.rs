@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Solid, StepError, Wall};
+use meniscus_sim::{Model, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Light floating solids.
@@ -76,11 +76,11 @@ fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check
     let all = block(center, Vector::repeat(2.0 * ratio));
     let hole = Shape::Ball { center, radius: ratio };
     let shell = Shape::Difference { of: Box::new(all), minus: Box::new(hole) };
-    let inner = Solid::new(Shape::Ball { center, radius: 1.0 }, Motion::Free, density);
+    let inner = Solid::new(Shape::Ball { center, radius: 1.0 }, SolidKind::Rigid, density);
     let model = Model {
         surface_tension: 0.0,
         gravity: up(-1.0),
-        solids: vec![inner, Solid::new(shell, Motion::Fixed, 1.0)],
+        solids: vec![inner, Solid::new(shell, SolidKind::Fixed, 1.0)],
         ..unit_model(grid, [[Wall::Slip; 2]; D])
     };
     let (d, outer) = (D as f64 - 1.0, ratio.powi(D as i32));

@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Floating and sinking solids.
@@ -164,7 +164,7 @@ impl Tank {
         let level = initial_level();
         let mut middle = grid.domain_upper() * 0.5;
         middle[D - 1] = level + center;
-        let mut body = Solid::new(Shape::Ball { center: middle, radius: 1.0 }, Motion::Free, density);
+        let mut body = Solid::new(Shape::Ball { center: middle, radius: 1.0 }, SolidKind::Rigid, density);
         body.young_cosine = angle.to_radians().cos();
         let mut walls = [[Wall::Slip; 2]; D];
         walls[D - 1][1] = Wall::Open;
@@ -289,7 +289,7 @@ fn force(angle: f64, height: f64, cells: usize) -> Result<Vec<Check>, StepError>
     let cylinder = Cylinder { bond: fall * radius * radius / tension, angle: f64::to_radians(angle) };
     let (bond, width) = (cylinder.bond, 6.0 / cylinder.bond.sqrt());
     let mut sim = Tank { bond, angle, density: 1.0, cells, width, center: height }.start::<2>(&|_| 0.0);
-    sim.model.solids[0].motion = Motion::Fixed;
+    sim.model.solids[0].kind = SolidKind::Fixed;
     // In units of R, ρ and g; forces in ρ g R².
     let mut mean = (0.0, 0.0);
     run_to(&mut sim, 0.5 * TIME, |sim, report| {

@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector, rotation_planes};
-use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Simulation, Solid, SolidKind, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -108,7 +108,7 @@ fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
     let center = grid.domain_upper() * 0.5 + grid_offset(dx);
     let half_size = across_and_up(HALF_WIDTH, HALF_THICKNESS);
     let shape = Shape::Box { center, half_size, rotation };
-    let mut plate = Solid::new(shape, Motion::Free, DENSITY);
+    let mut plate = Solid::new(shape, SolidKind::Rigid, DENSITY);
     plate.young_cosine = pair.angle.to_radians().cos();
     plate.line_friction = pair.friction;
     let model =

@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Motion, Simulation, Solid, StepError, overlaps};
+use meniscus_sim::{Simulation, Solid, SolidKind, StepError, overlaps};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -47,7 +47,7 @@ fn checks_in<const D: usize>() -> Result<Vec<Check>, StepError> {
 }
 
 fn ball<const D: usize>(center: Vector<D>, radius: f64, restitution: f64) -> Solid<D> {
-    let mut ball = Solid::new(Shape::Ball { center, radius }, Motion::Free, 2.0);
+    let mut ball = Solid::new(Shape::Ball { center, radius }, SolidKind::Rigid, 2.0);
     ball.restitution = restitution;
     ball
 }
@@ -110,7 +110,7 @@ fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError> {
     let half = across_and_up::<D>(0.2, 0.04);
     let gap = 0.05 * DX;
     let place = |k: usize| point_at::<D>(0.5, gap + half[D - 1] + k as f64 * (2.0 * half[D - 1] + gap));
-    let solids = (0..count).map(|k| rigid_box(place(k), half, Motion::Free)).collect();
+    let solids = (0..count).map(|k| rigid_box(place(k), half, SolidKind::Rigid)).collect();
     let mut simulation = simulation_without_liquid::<D>(Grid::new([24; D], DX), solids, gravity(), STEP);
     let middle = |s: &Simulation<D>| s.state.solids.iter().map(|s| s.center).collect::<Vec<_>>();
     run_to(&mut simulation, 1.0, |_, _| ())?;

@@ -8,7 +8,7 @@ use meniscus_elastic::ElementOrder;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Numerics, Simulation, Solid, SolidKind, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -68,7 +68,7 @@ fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     let shape = block(center, half);
     let model = Model {
         surface_tension: 0.0,
-        solids: vec![Solid::new(shape, Motion::Soft(elastic), 1.0)],
+        solids: vec![Solid::new(shape, SolidKind::Deformable(elastic), 1.0)],
         numerics: Numerics { max_step: STEP, newton_iterations: iterations, ..Numerics::default() },
         ..unit_model(Grid::<D>::new([20; D], 0.1), [[Wall::Open; 2]; D])
     };

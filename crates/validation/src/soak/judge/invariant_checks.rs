@@ -7,7 +7,7 @@ use super::invariants::{
 use crate::soak::{EnergyLaw, EnergyMonitor, Violation};
 use meniscus_numerics::Vector;
 use meniscus_scene::file::Scene;
-use meniscus_sim::{Diagnostics, Model, Motion, Simulation, SolidState, State, StepReport, overlaps};
+use meniscus_sim::{Diagnostics, Model, Simulation, SolidKind, SolidState, State, StepReport, overlaps};
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
@@ -47,7 +47,7 @@ impl<const D: usize> InvariantChecks<D> {
     /// The checks of a simulation at its start.
     pub fn at_start(simulation: &Simulation<D>, scene: &Scene) -> Self {
         let (model, ledger) = (&simulation.model, simulation.diagnostics());
-        let prescribed = model.solids.iter().any(|s| matches!(s.motion, Motion::Prescribed(_)));
+        let prescribed = model.solids.iter().any(|s| matches!(s.kind, SolidKind::Prescribed(_)));
         let moved = scene.solids.iter().any(|s| !s.moved.is_empty());
         let lines = scene.contact_line.enabled || model.solids.is_empty();
         let scale = energy_scale(model, &ledger);
@@ -93,7 +93,7 @@ impl<const D: usize> InvariantChecks<D> {
         self.check_momentum(&mut found, simulation, ledger);
         self.check_volume(&mut found, state, report);
         found.at_most("speed", ledger.max_speed, MAX_SPEED_RATIO * self.speed, "m/s");
-        let rigid = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);
+        let rigid = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.kind == SolidKind::Rigid);
         let fastest = rigid.map(|(s, now)| s.max_speed(now)).fold(0.0, f64::max);
         found.at_most("solid-speed", fastest, MAX_SPEED_RATIO * self.speed, "m/s");
         if let Some(least) = ledger.least_element.filter(|least| *least <= 0.0) {
@@ -244,7 +244,7 @@ fn ball_area<const D: usize>(volume: f64) -> f64 {
 
 /// Mass of liquid and free solids, kg.
 fn mass<const D: usize>(model: &Model<D>, ledger: &Diagnostics<D>) -> f64 {
-    let solids = model.solids.iter().filter(|s| !s.motion.is_prescribed()).map(|s| s.mass_properties.mass);
+    let solids = model.solids.iter().filter(|s| !s.kind.is_prescribed()).map(|s| s.mass_properties.mass);
     model.density * ledger.target_volume + solids.sum::<f64>()
 }
 
@@ -254,7 +254,7 @@ fn momentum<const D: usize>(
     solids: &[SolidState<D>],
     ledger: &Diagnostics<D>,
 ) -> Vector<D> {
-    let free = model.solids.iter().zip(solids).filter(|(s, _)| !s.motion.is_prescribed());
+    let free = model.solids.iter().zip(solids).filter(|(s, _)| !s.kind.is_prescribed());
     free.fold(ledger.momentum, |sum, (solid, now)| sum + now.velocity * solid.mass_properties.mass)
 }
 
