@@ -160,7 +160,7 @@ pub fn gravity<const D: usize>() -> Vector<D> {
 
 /// Positions of the vertices of a deformable solid; none for a rigid one.
 pub fn vertices<const D: usize>(simulation: &Simulation<D>, solid: usize) -> &[Vector<D>] {
-    simulation.state.solids[solid].soft.as_ref().map_or(&[], |soft| &soft.state.positions)
+    simulation.state.solids[solid].as_deformable().map_or(&[], |body| &body.vertices.positions)
 }
 
 /// Area vectors of the surface vertices of a deformable solid, m² (2D: m): the integrals of the elements' shape functions over the
@@ -216,7 +216,7 @@ impl<const D: usize> ContactMonitor<D> {
         let (model, solids) = (&simulation.model, &simulation.state.solids);
         self.narrowest_gap = self.narrowest_gap.min(self.barriers.narrowest_gap(model, solids));
         self.deepest_overlap =
-            overlaps(model, solids).iter().map(|o| o.2).fold(self.deepest_overlap, f64::max);
+            overlaps(simulation.solids()).iter().map(|o| o.2).fold(self.deepest_overlap, f64::max);
         self.least_element_volume =
             self.least_element_volume.min(ledger.least_element.unwrap_or(f64::INFINITY));
         self.steps += 1;

@@ -181,15 +181,14 @@ fn check_solids_apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result
     let name = |i: usize| &scene.solids[i].name;
     let free = |s: &SolidSpec| matches!(s.material, Material::Rigid { fixed: false });
     for (i, solid) in model.solids.iter().enumerate() {
-        if free(&scene.solids[i]) && solid.kind != SolidKind::Rigid {
+        if free(&scene.solids[i]) && !solid.kind.is_free_rigid() {
             let error =
                 SceneError::new(format!("the free solid `{}` is unbounded and has no finite mass", name(i)));
             let help = "use material.rigid = { fixed = true }, or a bounded shape";
             return Err(scene.source.at_value(error.with_help(help), &at(i, "material")));
         }
     }
-    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
-    let all = meniscus_sim::overlaps(model, &start);
+    let all = meniscus_sim::initial_overlaps(model);
     let deepest = all.into_iter().max_by(|a, b| a.2.total_cmp(&b.2));
     let Some((i, other, depth)) = deepest.filter(|o| o.2 > CONTACT_TOLERANCE_CELLS * model.grid.dx) else {
         return check_initial_gaps(scene, model);

@@ -4,7 +4,7 @@ use super::tied_face::{TiedFace, TiedSolid};
 use crate::coupling::impulses::CouplingImpulses;
 use crate::model::Model;
 use crate::solid::deformable::FluxRow;
-use crate::solid::{Solid, SolidKind, SolidState};
+use crate::solid::{Solid, SolidState};
 use meniscus_elastic::{AssemblyInverse, Reach};
 use meniscus_numerics::Vector;
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,7 +54,7 @@ impl<const D: usize> SolidResponse<D> {
     ) -> Self {
         let of = |(solid, now): (&Solid<D>, &SolidState<D>)| match solid.elastic() {
             Some(elastic) => elastic.masses().to_vec(),
-            None => vec![solid.mass_properties.mass, solid.inertia(now).trace() / 3.0],
+            None => vec![solid.mass_properties.mass, solid.inertia(&now.as_rigid()).trace() / 3.0],
         };
         let masses: Vec<f64> = model.solids.iter().zip(solids).flat_map(of).collect();
         let nodes = |solid: &Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
@@ -166,8 +166,8 @@ impl<const D: usize> SolidResponse<D> {
         let mut all = vec![Vector::zeros(); self.masses.len()];
         let sums = exchange.by_solid(solids.len());
         for (k, solid) in model.solids.iter().enumerate() {
-            if solid.kind == SolidKind::Rigid {
-                let about = sums[k].moment_about(&solids[k].center);
+            if solid.kind.is_free_rigid() {
+                let about = sums[k].moment_about(&solids[k].center_of_mass());
                 all[self.first_node[k]] = sums[k].linear;
                 all[self.first_node[k] + 1] = angular_to_node(&about.into());
             }

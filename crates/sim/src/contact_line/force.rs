@@ -26,7 +26,7 @@ use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
 use crate::model::resolution::MIN_RESOLVED_RADIUS_CELLS;
-use crate::solid::SolidState;
+use crate::solid::Solids;
 use crate::solid::surface::SurfacePoint;
 use meniscus_numerics::grid::CutCell;
 use meniscus_numerics::{Matrix, Vector, rotation_planes};
@@ -123,7 +123,7 @@ pub struct ContactLineForces<'a, const D: usize> {
     /// The model.
     pub model: &'a Model<D>,
     /// The solids.
-    pub solids: &'a [SolidState<D>],
+    pub solids: Solids<'a, D>,
     /// Signed distance to the interface in each cell, m.
     pub phi: &'a [f64],
     /// The dual cells with interface or wetted solid.
@@ -244,8 +244,8 @@ impl<const D: usize> ContactLineForces<'_, D> {
             let place = grid.center(grid.lattice().coordinates(cube.corners[0] as usize))
                 + Vector::repeat(0.5 * grid.dx);
             let foot = cube.line_center().map_or(place, |foot| Vector::from_fn(|a, _| foot[a] * grid.dx));
-            let now = &self.solids[cube.solid as usize];
-            let grips = now.surface_patch(&foot, self.model.numerics.line_radius);
+            let solid = self.solids.get(cube.solid as usize);
+            let grips = solid.surface_patch(&foot, self.model.numerics.line_radius);
             let number = pieces.len();
             pieces.push((foot, Vector::from_fn(|a, _| pull[a])));
             cube.distribute(self.label, |component, part| {

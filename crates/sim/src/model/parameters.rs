@@ -121,30 +121,9 @@ impl<const D: usize> Model<D> {
             || (i == self.grid.cells[axis] && self.walls[axis][1] == Wall::Slip)
     }
 
-    /// Number of the solid with the smallest signed distance to a point; `now` are the states of the solids.
-    pub(crate) fn nearest_solid(&self, now: &[SolidState<D>], x: &Vector<D>) -> Option<usize> {
-        if self.solids.len() < 2 {
-            return (!self.solids.is_empty()).then_some(0);
-        }
-        let mut nearest = (f64::INFINITY, None);
-        for (number, (solid, now)) in self.solids.iter().zip(now).enumerate() {
-            let [low, high] = solid.bounds(now);
-            let box_distance = (low - x).sup(&(x - high)).sup(&Vector::zeros()).norm();
-            // A point in the box may be inside it.
-            if box_distance > 0.0 && box_distance - solid.padding >= nearest.0 {
-                continue;
-            }
-            let distance = solid.liquid_distance(now, x);
-            if nearest.1.is_none() || distance < nearest.0 {
-                nearest = (distance, Some(number));
-            }
-        }
-        nearest.1
-    }
-
-    /// Signed distance to the nearest solid as the liquid meets it, m, negative inside; infinite without solids.
-    pub(crate) fn solid_distance(&self, now: &[SolidState<D>], x: &Vector<D>) -> f64 {
-        self.nearest_solid(now, x).map_or(f64::INFINITY, |i| self.solids[i].liquid_distance(&now[i], x))
+    /// States of the solids at the start.
+    pub fn initial_solids(&self) -> Vec<SolidState<D>> {
+        self.solids.iter().map(Solid::initial_state).collect()
     }
 
     /// Vector Bond number of a cell, `−ρ g Δ²/γ` in 1/cells²: the liquid's weight as balanced beside solids; zero without solids.

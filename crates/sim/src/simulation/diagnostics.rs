@@ -10,7 +10,7 @@ use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::{InterfaceFace, interface_faces};
 use crate::model::Model;
 use crate::repairs::Repairs;
-use crate::solid::{Solid, SolidState};
+use crate::solid::{Solid, SolidState, Solids};
 use crate::state::{Component, State};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
@@ -150,7 +150,8 @@ pub fn max_velocity_component<const D: usize>(
 pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let liquid_energy = |d: &Component<D>| -d.target_volume * model.gravity.dot(&d.centroid);
     let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.kind.is_prescribed());
-    let solids: f64 = solids.map(|(s, now)| -s.mass_properties.mass * model.gravity.dot(&now.center)).sum();
+    let solids: f64 =
+        solids.map(|(s, now)| -s.mass_properties.mass * model.gravity.dot(&now.center_of_mass())).sum();
     model.density * state.components.iter().map(liquid_energy).sum::<f64>() + solids
 }
 
@@ -164,21 +165,22 @@ pub fn energy_without_gravity<const D: usize>(model: &Model<D>, state: &State<D>
 /// Elastic energy of the solids at the time of the velocities, J. A step conserves its sum with their kinetic energy
 /// (`meniscus_elastic::IncrementalPotential`).
 fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
-        let mut body = soft.state.clone();
-        elastic.advance_positions(&mut body, state.velocity_lead);
-        Some(elastic.elastic_energy(&body.positions))
+    let of = |(solid, now): (&Solid<D>, &SolidState<D>)| {
+        let (elastic, body) = solid.elastic().zip(now.as_deformable())?;
+        let mut ahead = body.vertices.clone();
+        elastic.advance_positions(&mut ahead, state.velocity_lead);
+        Some(elastic.elastic_energy(&ahead.positions))
     };
-    model.solids.iter().zip(&state.solids).filter_map(soft).sum()
+    model.solids.iter().zip(&state.solids).filter_map(of).sum()
 }
 
 /// [`Diagnostics::least_element`].
 fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f64> {
-    let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        solid.elastic().zip(now.soft.as_ref()).map(|(e, soft)| e.min_volume_ratio(&soft.state.positions))
+    let of = |(solid, now): (&Solid<D>, &SolidState<D>)| {
+        let (elastic, body) = solid.elastic().zip(now.as_deformable())?;
+        Some(elastic.min_volume_ratio(&body.vertices.positions))
     };
-    model.solids.iter().zip(&state.solids).filter_map(soft).reduce(f64::min)
+    model.solids.iter().zip(&state.solids).filter_map(of).reduce(f64::min)
 }
 
 /// Kinetic energy of the liquid and of dynamic solids, J.
@@ -223,6 +225,11 @@ pub fn diagnostics<const D: usize>(
         least_element: least_element(model, state),
         potential_energy: potential_energy(model, state),
         max_speed: max_velocity_component(model, state, work),
-        divergence_max: divergence_max(model, state, &work.liquid, &work.cut_cells),
+        divergence_max: divergence_max(
+            Solids { model, states: &state.solids, surfaces: &work.surfaces },
+            state,
+            &work.liquid,
+            &work.cut_cells,
+        ),
     }
 }

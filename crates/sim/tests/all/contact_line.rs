@@ -6,7 +6,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    ContactLine, LineTracker, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, Wall,
+    ContactLine, Kinematics, LineTracker, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, Wall,
 };
 use std::f64::consts::TAU;
 
@@ -78,7 +78,8 @@ fn on_a_ball<const D: usize>(cells: usize, angle: f64) {
     let gap = (1.0 + radius * radius - 2.0 * radius * angle.to_radians().cos()).sqrt();
     let mut simulation = drop_on(cells, center + up::<D>() * gap, Shape::Ball { center, radius }, angle);
     let (s, c) = 0.7f64.sin_cos();
-    let turned = &mut simulation.state.solids[0].rotation;
+    let Kinematics::Rigid(ball) = &mut simulation.state.solids[0].kinematics else { panic!("it deforms") };
+    let turned = &mut ball.rotation;
     (turned[(0, 0)], turned[(0, D - 1)], turned[(D - 1, 0)], turned[(D - 1, D - 1)]) = (c, -s, s, c);
     let tracker = LineTracker::new(&simulation.model, &[dx / 1.5]);
     let line = tracker.extract(&simulation);
@@ -87,7 +88,7 @@ fn on_a_ball<const D: usize>(cells: usize, angle: f64) {
     let cosine = (gap * gap + radius * radius - 1.0) / (2.0 * gap * radius);
     let exact =
         |x: &Vector<D>| radius * (((x - center)[D - 1] / radius).clamp(-1.0, 1.0).acos() - cosine.acos());
-    let surface = tracker.surface(&simulation.model, &simulation.state.solids, 0);
+    let surface = tracker.surface(simulation.solids(), 0);
     let vertices = surface.positions.iter().zip(&line.phi_c[0]);
     let errors: Vec<f64> = vertices
         .filter(|(x, _)| exact(x).abs() < 4.5 * dx)

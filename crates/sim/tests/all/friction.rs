@@ -33,7 +33,7 @@ fn slope<const D: usize>(rigid: bool, friction: f64, step: f64) -> (Simulation<D
 /// Creep of a block that friction holds, in a number of steps, over its side.
 fn creep<const D: usize>(rigid: bool, step: f64) {
     let (mut simulation, along) = slope::<D>(rigid, 0.6, step);
-    let place = |s: &Simulation<D>| s.state.solids[1].center.dot(&along);
+    let place = |s: &Simulation<D>| s.state.solids[1].center_of_mass().dot(&along);
     // By then blocks have stopped rocking from their fall on the barrier.
     run(&mut simulation, 2.0, |_| ());
     let start = place(&simulation);
@@ -59,7 +59,7 @@ fn rigid_ones_stay_with_steps_of_any_length() {
 /// A rigid block slides as Coulomb says, once it no longer rocks from its fall on the barrier.
 fn slides<const D: usize>(friction: f64) {
     let (mut simulation, along) = slope::<D>(true, friction, 1e-3);
-    let speed = |s: &Simulation<D>| s.state.solids[1].velocity.dot(&along);
+    let speed = |s: &Simulation<D>| s.state.solids[1].velocity().dot(&along);
     run(&mut simulation, 0.25, |_| ());
     let start = speed(&simulation);
     run(&mut simulation, 0.35, |_| ());
@@ -91,7 +91,7 @@ fn a_ball_rolls_on_a_soft_slab() {
     let gravity = Vector::from([GRAVITY * ALPHA.sin(), -GRAVITY * ALPHA.cos()]);
     let mut simulation = dry::<2>(vec![slab, ball], gravity, 1e-3);
     run(&mut simulation, 0.3, |_| ());
-    let now = &simulation.state.solids[1];
+    let now = simulation.state.solids[1].as_rigid();
     let rolling = now.velocity[0] / -now.angular_velocity[2];
     let expected = 0.5 * GRAVITY * ALPHA.sin() / (1.0 + 0.5 * (radius / rolling).powi(2)) * 0.09;
     let way = now.center[0] - center[0];

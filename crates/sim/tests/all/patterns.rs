@@ -58,7 +58,7 @@ fn run_to<const D: usize>(simulation: &mut Simulation<D>, end: f64) {
 /// Least and largest x of the line, from where the middle of the pattern is now.
 fn reach<const D: usize>(simulation: &Simulation<D>) -> [f64; 2] {
     let dx = simulation.model.grid.dx;
-    let middle = 2.0 + 0.14 * dx + simulation.state.solids[0].center[0];
+    let middle = 2.0 + 0.14 * dx + simulation.state.solids[0].center_of_mass()[0];
     let line = LineTracker::new(&simulation.model, &[dx / 1.5]).extract(simulation);
     let x = || line.points.iter().map(|p| p.at[0] - middle);
     [x().fold(f64::INFINITY, f64::min), x().fold(f64::NEG_INFINITY, f64::max)]

@@ -115,10 +115,7 @@ pub fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: 
         solids,
         numerics: Numerics { max_step, ..Numerics::default() },
     };
-    assert_eq!(
-        meniscus_sim::overlaps(&model, &model.solids.iter().map(Solid::initial_state).collect::<Vec<_>>()),
-        []
-    );
+    assert_eq!(meniscus_sim::initial_overlaps(&model), []);
     Simulation::new(model, &[])
 }
 
@@ -146,7 +143,7 @@ pub fn at<const D: usize>(first: f64, last: f64) -> Vector<D> {
 }
 
 pub fn places<const D: usize>(s: &Simulation<D>, solid: usize) -> &[Vector<D>] {
-    &s.state.solids[solid].soft.as_ref().expect("a soft solid").state.positions
+    &s.state.solids[solid].as_deformable().expect("a soft solid").vertices.positions
 }
 
 /// Momentum and angular momentum about the middle of the domain, of all solids that nothing holds.
@@ -154,13 +151,14 @@ pub fn books<const D: usize>(s: &Simulation<D>) -> (Vector<D>, Vector<3>) {
     let three = |v: &Vector<D>| Vector::<3>::from_fn(|a, _| if a < D { v[a] } else { 0.0 });
     let mut sum = (Vector::zeros(), Vector::zeros());
     for (solid, now) in s.model.solids.iter().zip(&s.state.solids) {
-        if let (Some(elastic), Some(soft)) = (solid.elastic(), &now.soft) {
-            sum.0 += elastic.momentum(&soft.state);
-            sum.1 += Vector::from(elastic.angular_momentum(&soft.state));
-        } else if solid.kind == SolidKind::Rigid {
-            sum.0 += now.velocity * solid.mass_properties.mass;
-            sum.1 += solid.angular_momentum(now)
-                + three(&now.center).cross(&three(&now.velocity)) * solid.mass_properties.mass;
+        if let Some((elastic, body)) = solid.elastic().zip(now.as_deformable()) {
+            sum.0 += elastic.momentum(&body.vertices);
+            sum.1 += Vector::from(elastic.angular_momentum(&body.vertices));
+        } else if solid.kind.is_free_rigid() {
+            let rigid = now.as_rigid();
+            sum.0 += rigid.velocity * solid.mass_properties.mass;
+            sum.1 += solid.angular_momentum(&rigid)
+                + three(&rigid.center).cross(&three(&rigid.velocity)) * solid.mass_properties.mass;
         }
     }
     sum
@@ -169,16 +167,15 @@ pub fn books<const D: usize>(s: &Simulation<D>) -> (Vector<D>, Vector<3>) {
 /// How deep vertices of solids are in others that deform or are rigid, or outside of the domain, at most, m.
 pub fn depth<const D: usize>(s: &Simulation<D>) -> f64 {
     let mut worst = f64::NEG_INFINITY;
-    for (i, now) in s.state.solids.iter().enumerate() {
-        let Some(soft) = &now.soft else { continue };
-        for x in &soft.state.positions {
+    for (i, solid) in s.solids().iter().enumerate() {
+        let Some(body) = solid.state.as_deformable() else { continue };
+        for x in &body.vertices.positions {
             worst = (0..D).map(|a| (-x[a]).max(x[a] - 1.0)).fold(worst, f64::max);
-            for (j, other) in s.state.solids.iter().enumerate().filter(|(j, _)| *j != i) {
-                worst = worst.max(-s.model.solids[j].distance(other, x));
-            }
+            let others = s.solids().iter().enumerate().filter(|(j, _)| *j != i);
+            worst = others.map(|(_, other)| -other.distance(x)).fold(worst, f64::max);
         }
     }
-    meniscus_sim::overlaps(&s.model, &s.state.solids).iter().map(|o| o.2).fold(worst, f64::max)
+    meniscus_sim::overlaps(s.solids()).iter().map(|o| o.2).fold(worst, f64::max)
 }
 
 fn drops<const D: usize>(n: usize, step: f64) {
@@ -188,9 +185,9 @@ fn drops<const D: usize>(n: usize, step: f64) {
     run(&mut simulation, 0.5, |s| {
         worst = worst.max(depth(s));
         let now = &s.state.solids[0];
-        hit |= now.velocity[D - 1] > 0.0;
+        hit |= now.velocity()[D - 1] > 0.0;
         if hit {
-            highest = highest.max(now.center[D - 1]);
+            highest = highest.max(now.center_of_mass()[D - 1]);
         }
     });
     println!("{D}D drop: height {:.3} of 0.17, depth {:.2e} dx", highest - 0.15, worst / DX);
@@ -306,10 +303,10 @@ fn slides<const D: usize>(friction: f64) {
     run(&mut simulation, 0.3, |s| {
         assert!(depth(s) < 0.0);
         if sticks && s.state.time < 0.1 {
-            from = s.state.solids[1].center;
+            from = s.state.solids[1].center_of_mass();
         }
     });
-    let way = (simulation.state.solids[1].center - from).dot(&along);
+    let way = (simulation.state.solids[1].center_of_mass() - from).dot(&along);
     let expected = 0.5 * GRAVITY * (alpha.sin() - friction * alpha.cos()).max(0.0) * 0.09;
     println!("{D}D incline {friction}: {way:.5} for {expected:.5}");
     assert!(
@@ -332,9 +329,9 @@ fn stands<const D: usize>() {
     let mesh =
         block([4; D], at(0.5, 0.5 + 1e-12), Vector::from_fn(|a, _| if a + 1 == D { 0.125 } else { 0.1875 }));
     let mut simulation = dry::<D>(vec![floor, soft(mesh, 1e4, 0.3, Vec::new())], down(), 1e-3);
-    let (start, mut worst) = (simulation.state.solids[1].center, f64::NEG_INFINITY);
+    let (start, mut worst) = (simulation.state.solids[1].center_of_mass(), f64::NEG_INFINITY);
     run(&mut simulation, 0.1, |s| worst = worst.max(depth(s)));
-    let way = (simulation.state.solids[1].center - start).norm();
+    let way = (simulation.state.solids[1].center_of_mass() - start).norm();
     println!("{D}D stands: depth {:.2e} dx, way {:.2e} dx", worst / DX, way / DX);
     // It neither sinks in nor is thrown up by more than the least reach of a barrier at the start, 0.1 of 0.25 cells (where points of
     // the floor pushed its facets it was, by 0.03 cells in 2D and 0.14 in 3D). What is no overlap in a scene is 0.01 cells.
@@ -357,7 +354,7 @@ fn ball_on_beam<const D: usize>(n: [usize; D], half: Vector<D>) {
     let (mut worst, mut lowest) = (f64::NEG_INFINITY, 1.0f64);
     run(&mut simulation, 0.6, |s| {
         worst = worst.max(depth(s));
-        lowest = lowest.min(s.state.solids[1].center[D - 1]);
+        lowest = lowest.min(s.state.solids[1].center_of_mass()[D - 1]);
     });
     println!("{D}D beam: depth {:.2e} dx, lowest {lowest:.3}", worst / DX);
     assert!(worst < 0.0, "{D}D: {worst}");
@@ -402,8 +399,7 @@ fn a_soft_plate_is_squeezed() {
 fn same_place<const D: usize>() {
     let solid = || soft(block([4; D], Vector::repeat(0.5), Vector::repeat(0.1)), 1e3, 0.0, Vec::new());
     let model = Model { solids: vec![solid(), solid()], ..dry(Vec::new(), Vector::zeros(), 1.0).model };
-    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
-    let deepest = meniscus_sim::overlaps(&model, &start).iter().map(|o| o.2).fold(0.0, f64::max);
+    let deepest = meniscus_sim::initial_overlaps(&model).iter().map(|o| o.2).fold(0.0, f64::max);
     assert!(deepest > 0.05, "{D}D: {deepest}");
 }
 

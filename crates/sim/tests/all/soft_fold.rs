@@ -8,7 +8,7 @@ use crate::soft_collide::{
 use meniscus_elastic::Anchor;
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Simulation, Solid, SolidKind};
+use meniscus_sim::{Kinematics, LiquidRegion, Simulation, Solid, SolidKind};
 
 /// Distance of far parts of a strip with so many columns of vertices, m.
 fn own_distance(s: &Simulation<2>, columns: usize) -> f64 {
@@ -71,8 +71,8 @@ fn a_curled_strip_meets_itself() {
     strip.initial_velocity = Vector::zeros();
     let mut simulation = dry::<2>(vec![strip], Vector::zeros(), 1.0);
     // A blow that turns the free end over and over.
-    if let Some(soft) = &mut simulation.state.solids[0].soft {
-        for (x, v) in soft.state.positions.iter().zip(&mut soft.state.velocities) {
+    if let Kinematics::Deformable(body) = &mut simulation.state.solids[0].kinematics {
+        for (x, v) in body.vertices.positions.iter().zip(&mut body.vertices.velocities) {
             *v = Vector::from([0.0, 100.0 * (x[0] - 0.09).powi(2)]);
         }
     }
@@ -96,8 +96,8 @@ fn claps(n: [usize; 3], speed: f64, step: f64) {
     let half = Vector::from([0.3, 0.3, 0.012]);
     let mesh = block::<3>(n, Vector::from([0.5, 0.5, 0.3]), half);
     let mut simulation = dry::<3>(vec![soft(mesh, 100.0, 0.05, Vec::new())], Vector::zeros(), step);
-    if let Some(soft) = &mut simulation.state.solids[0].soft {
-        for (x, v) in soft.state.positions.iter().zip(&mut soft.state.velocities) {
+    if let Kinematics::Deformable(body) = &mut simulation.state.solids[0].kinematics {
+        for (x, v) in body.vertices.positions.iter().zip(&mut body.vertices.velocities) {
             let arm = x[0] - 0.47;
             *v = Vector::from([-arm, 0.1 * arm, 3.0 * arm.abs() - 0.3]) * speed;
         }

@@ -161,7 +161,7 @@ fn thrown(angle: Option<f64>) -> SolidState<2> {
 
 #[test]
 fn solids_run_into_walls_that_wet_as_into_others() {
-    let (mirror, wet) = (thrown(None), thrown(Some(70.0)));
+    let [mirror, wet] = [None, Some(70.0)].map(|angle| thrown(angle).as_rigid());
     println!("{} {}", mirror.center, wet.center);
     assert!((mirror.center - wet.center).norm() < 1e-12 && (mirror.velocity - wet.velocity).norm() < 1e-12);
     assert!(mirror.center[1] < 1.0, "it never fell");

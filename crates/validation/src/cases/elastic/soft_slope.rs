@@ -113,7 +113,7 @@ fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
 
 fn check_slope<const D: usize>(kind: &str, slope: Slope<D>, friction: f64) -> Result<Vec<Check>, StepError> {
     let Slope { mut simulation, along } = slope;
-    let place = |s: &Simulation<D>| s.state.solids[1].center.dot(&along);
+    let place = |s: &Simulation<D>| s.state.solids[1].center_of_mass().dot(&along);
     let scale = simulation.model.solids[1].mass_properties.mass * GRAVITY * 2.0 * HALF_SIZE;
     let free = GRAVITY * SLOPE_ANGLE.sin();
     let acceleration_expected = free - friction * GRAVITY * SLOPE_ANGLE.cos();

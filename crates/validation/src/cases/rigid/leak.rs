@@ -137,11 +137,11 @@ fn check_shaken_cup<const D: usize>(wall: CupWall, angle: f64) -> Result<Vec<Che
 /// Volume of the parts of liquid cells beyond a wall of the given thickness.
 fn volume_beyond_wall<const D: usize>(sim: &Simulation<D>, wall: f64) -> f64 {
     const FINE: usize = 4;
-    let (cup, now) = (&sim.model.solids[0], &sim.state.solids[0]);
+    let (cup, now) = (&sim.model.solids[0], sim.state.solids[0].as_rigid());
     let grid = sim.model.grid;
     let half_size = Vector::repeat(1.0 + wall * grid.dx);
     let hull = block(cup.mass_properties.center, half_size);
-    let outside = |x: &Vector<D>| hull.signed_distance(&cup.to_reference(now, x)) > 0.0;
+    let outside = |x: &Vector<D>| hull.signed_distance(&cup.to_reference(&now, x)) > 0.0;
     let row = grid.cells[0];
     let cells = sim
         .liquid_cells()

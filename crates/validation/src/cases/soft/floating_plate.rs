@@ -164,7 +164,7 @@ fn run() -> Result<Vec<Check>, StepError> {
         let step = sim.state.time - last;
         last = sim.state.time;
         if last > AVERAGING_START {
-            let found = level - sim.state.solids[0].center[2] - 0.5 * THICKNESS;
+            let found = level - sim.state.solids[0].center_of_mass()[2] - 0.5 * THICKNESS;
             (sum, time) = (sum + found * step, time + step);
         }
     })?;

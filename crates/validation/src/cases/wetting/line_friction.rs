@@ -101,7 +101,7 @@ fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepErr
     let above = |x: &Vector<D>| ((x - middle).norm() - RADIUS).max(center[D - 1] - x[D - 1]);
     let mut sim = in_flight(model, &above, Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64));
     let sum = |sim: &Simulation<D>| {
-        sim.diagnostics().momentum + sim.state.solids[0].velocity * sim.model.solids[0].mass_properties.mass
+        sim.diagnostics().momentum + sim.state.solids[0].velocity() * sim.model.solids[0].mass_properties.mass
     };
     let start = sum(&sim);
     for _ in 0..steps {

@@ -114,11 +114,9 @@ impl<const D: usize> EnergyMonitor<D> {
 /// The elastic energy of solids, J.
 fn elastic<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
     let of = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
-        Some(
-            elastic.elastic_energy(&soft.state.positions)
-                + elastic.inversion_barrier_energy(&soft.state.positions),
-        )
+        let (elastic, body) = solid.elastic().zip(now.as_deformable())?;
+        let positions = &body.vertices.positions;
+        Some(elastic.elastic_energy(positions) + elastic.inversion_barrier_energy(positions))
     };
     model.solids.iter().zip(solids).filter_map(of).sum()
 }
