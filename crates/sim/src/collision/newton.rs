@@ -443,7 +443,7 @@ fn node_weights<const D: usize>(
     x: &Vector<D>,
     axis: &Vector<D>,
 ) -> Vec<(usize, Vector<D>)> {
-    match solid.surface_point(x) {
+    match solid.surface.closest_point(x) {
         Some(grip) => (0..D).map(|k| (first + grip.vertices[k] as usize, axis * grip.weights[k])).collect(),
         None => {
             let moment = crate::coupling::impulses::moment(&(x - solid.state.center_of_mass()), axis);

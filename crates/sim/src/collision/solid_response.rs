@@ -3,7 +3,7 @@
 use super::tied_face::{TiedFace, TiedSolid};
 use crate::coupling::impulses::CouplingImpulses;
 use crate::model::Model;
-use crate::solid::deformable::FluxRow;
+use crate::solid::surface::distribute_to_vertices;
 use crate::solid::{Solid, SolidState};
 use meniscus_elastic::{AssemblyInverse, Reach};
 use meniscus_numerics::Vector;
@@ -17,6 +17,9 @@ use crate::contact_line::friction::DraggedFace;
 const MIN_COMPLIANCE_RATIO: f64 = 1e-3;
 /// Number of block widths, doubling from one cell, for which the compliance is measured.
 const BLOCK_WIDTH_COUNT: u32 = 5;
+
+/// A cell, and the degrees of freedom that flow into it with their weights.
+pub type FluxRow = (u32, Vec<(u32, f64)>);
 
 /// Response of all solids.
 #[derive(Debug)]
@@ -173,10 +176,7 @@ impl<const D: usize> SolidResponse<D> {
             }
         }
         for (solid, grips) in &exchange.point_impulses {
-            crate::solid::deformable::distribute_to_vertices(
-                grips,
-                &mut all[self.first_node[*solid as usize]..],
-            );
+            distribute_to_vertices(grips, &mut all[self.first_node[*solid as usize]..]);
         }
         all
     }

@@ -95,8 +95,6 @@ impl DraggedFace {
 /// are provisional and contain only some of the forces; with them drops on soft plates were stirred, and had angles too small by up to 6
 /// degrees (`verify soft-sag`). On a solid that accelerates by `a` the velocities in `solids_before` lag by `a h` behind the step's end.
 pub struct LineFriction<'a, const D: usize> {
-    /// The model.
-    pub model: &'a Model<D>,
     /// The state, with a provisional velocity.
     pub state: &'a State<D>,
     /// The solids before the forces of this step.
@@ -115,16 +113,20 @@ type FacesByPosition = BTreeMap<(usize, usize), DraggedFace>;
 impl<const D: usize> LineFriction<'_, D> {
     /// Computes the faces that the lines drag, and sets the mobility of the interface faces.
     pub fn dragged_faces(&self, interface_faces: &mut [InterfaceFace]) -> Vec<DraggedFace> {
-        let unit = self.impulse_time / (self.model.density * self.model.grid.dx * self.model.grid.dx);
+        let unit = self.impulse_time
+            / (self.solids_before.model.density
+                * self.solids_before.model.grid.dx
+                * self.solids_before.model.grid.dx);
         let strength = |cube: &DualCell| {
-            let friction = self.model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
+            let friction =
+                self.solids_before.model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
             if cube.pinned { PINNED_DRAG } else { unit * friction }
         };
         let line_cells: Vec<&DualCell> =
             self.dual_cells.iter().filter(|c| c.line_length() > 0.0 && strength(c) > 0.0).collect();
         let mut faces: FacesByPosition = BTreeMap::new();
         for cube in &line_cells {
-            for (axis, face, sides) in faces_around(self.model, cube) {
+            for (axis, face, sides) in faces_around(self.solids_before.model, cube) {
                 let Some(cell) = sides.into_iter().find(|c| self.state.phi.data[*c] < 0.0) else { continue };
                 let inner = sides.iter().all(|c| self.state.phi.data[*c] < 0.0);
                 let volume_cells = if inner { self.cut_cells.open_fraction.axes[axis][face] } else { 0.0 };
@@ -160,7 +162,7 @@ impl<const D: usize> LineFriction<'_, D> {
     fn add_drag(&self, cube: &DualCell, strength: f64, faces: &mut FacesByPosition) {
         let (mut mass, mut crossed) = ([0.0; D], [0.0; D]);
         let (mut velocity, mut surface) = (Vector::<D>::zeros(), Vector::<D>::zeros());
-        for (a, face, _) in faces_around(self.model, cube) {
+        for (a, face, _) in faces_around(self.solids_before.model, cube) {
             let Some(f) = faces.get(&(a, face)) else { continue };
             let u = self.state.velocity.axes[a][face];
             mass[a] += f.volume_cells;
@@ -174,9 +176,13 @@ impl<const D: usize> LineFriction<'_, D> {
         let rolling = if cube.pinned { 0.0 } else { 0.5 * (0..D).map(|a| outward[a] * over(a)).sum::<f64>() };
         let before = self.solids_before.get(cube.solid as usize);
         let along = cube.line_direction();
-        for (a, face, _) in faces_around(self.model, cube) {
+        for (a, face, _) in faces_around(self.solids_before.model, cube) {
             let Some(f) = faces.get_mut(&(a, face)).filter(|f| f.volume_cells > 0.0) else { continue };
-            let x = self.model.grid.face_center(a, self.model.grid.face_lattice(a).coordinates(face));
+            let x = self
+                .solids_before
+                .model
+                .grid
+                .face_center(a, self.solids_before.model.grid.face_lattice(a).coordinates(face));
             let solid = before.velocity_at(&x);
             // A pinned line also drags along itself: where it bends, liquid that slides along one part would cross the next.
             let slides = if cube.pinned { 0.0 } else { 1.0 };

@@ -175,8 +175,7 @@ fn negative_fraction<const D: usize>(values: [f64; D]) -> f64 {
 mod tests {
     use super::*;
     use crate::model::resolution::BAND_WIDTH_CELLS;
-    use crate::model::{Numerics, Wall};
-    use crate::solid::{DeformableKinematics, Kinematics, Solid, SolidKind, SolidState, SolidSurfaces};
+    use crate::solid::{Kinematics, Solid, SolidKind, SolidSurfaces};
     use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
     use meniscus_numerics::Matrix;
     use meniscus_numerics::grid::Grid;
@@ -202,16 +201,7 @@ mod tests {
         let elastic = Elastic::new(description).unwrap_or_else(|e| panic!("{e}"));
         let mut solid = Solid::new(shape, SolidKind::Deformable(Arc::new(elastic)), 1.0);
         solid.young_cosine = angle.to_radians().cos();
-        Model {
-            grid: Grid::new([32; 2], 1.0 / 32.0),
-            walls: [[Wall::Slip; 2]; 2],
-            density: 1.0,
-            kinematic_viscosity: 0.0,
-            surface_tension: GAMMA,
-            gravity: Vector::zeros(),
-            solids: vec![solid],
-            numerics: Numerics::default(),
-        }
+        Model { surface_tension: GAMMA, ..Model::of_test(Grid::new([32; 2], 1.0 / 32.0), vec![solid]) }
     }
 
     /// φ of a domain full of liquid.
@@ -219,24 +209,15 @@ mod tests {
         CellField::new(model.grid, -BAND_WIDTH_CELLS * model.grid.dx)
     }
 
-    /// The state in which coordinate `moved` of the vertices has changed by `way`, m.
-    fn deformed(model: &Model<2>, moved: usize, way: f64) -> Vec<SolidState<2>> {
-        let mut states = model.initial_solids();
-        if let (Some(elastic), Kinematics::Deformable(body)) =
-            (model.solids[0].elastic(), &mut states[0].kinematics)
-        {
-            body.vertices.positions[moved / 2][moved % 2] += way;
-            *body = DeformableKinematics::new(elastic, body.vertices.clone());
-        }
-        states
-    }
-
     /// The forces on the vertices after coordinate `moved` has changed by `way`, m.
     fn pulls(model: &Model<2>, moved: usize, way: f64) -> [Vector<2>; 3] {
-        let (states, phi) = (deformed(model, moved, way), full(model));
-        let surfaces = SolidSurfaces::new(&model.solids, &states);
+        let (mut states, phi) = (model.initial_solids(), full(model));
+        if let Kinematics::Deformable(body) = &mut states[0].kinematics {
+            body.vertices.positions[moved / 2][moved % 2] += way;
+        }
+        let surfaces = &SolidSurfaces::new(&model.solids, &states);
         let phi = Sampler::cells(&model.grid, &phi.data, model.scalar_boundary());
-        let solids = Solids { model, states: &states, surfaces: &surfaces };
+        let solids = Solids { model, states: &states, surfaces };
         let mut forces = [Vector::zeros(); 3];
         for (grip, force) in wetted_tension_forces(solids, &phi, &|_| Some(0)).values().flatten() {
             forces[grip.vertices[0] as usize] += force;
@@ -245,9 +226,8 @@ mod tests {
     }
 
     fn stiffness(model: &Model<2>) -> Vec<StiffnessBlock<2>> {
-        let states = model.initial_solids();
-        let surfaces = SolidSurfaces::new(&model.solids, &states);
-        let solids = Solids { model, states: &states, surfaces: &surfaces };
+        let states = &model.initial_solids();
+        let solids = Solids { model, states, surfaces: &SolidSurfaces::new(&model.solids, states) };
         wetted_tension_stiffness(solids, &full(model)).swap_remove(0)
     }
 

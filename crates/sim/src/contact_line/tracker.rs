@@ -122,7 +122,6 @@ impl<const D: usize> LineTracker<D> {
 
 /// The state, as the extraction samples it.
 struct LineSampler<'a, const D: usize> {
-    model: &'a Model<D>,
     solids: Solids<'a, D>,
     phi: Sampler<'a, D>,
     velocity: VelocitySampler<'a, D>,
@@ -133,7 +132,6 @@ impl<'a, const D: usize> LineSampler<'a, D> {
     fn new(simulation: &'a Simulation<D>) -> Self {
         let (model, state) = (&simulation.model, &simulation.state);
         Self {
-            model,
             solids: simulation.solids(),
             phi: Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary()),
             velocity: VelocitySampler::new(model, &state.velocity),
@@ -144,7 +142,7 @@ impl<'a, const D: usize> LineSampler<'a, D> {
     /// Whether a point lies in a solid other than `number`, or outside the domain.
     fn is_covered(&self, number: usize, x: &Vector<D>) -> bool {
         let mut others = self.solids.iter().enumerate().filter(|(i, _)| *i != number);
-        let [low, high] = self.model.grid.bounds();
+        let [low, high] = self.solids.model.grid.bounds();
         let slack = 1e-9 * high.max();
         (0..D).any(|a| x[a] < low[a] - slack || x[a] > high[a] + slack)
             || others.any(|(_, solid)| solid.liquid_distance(x) < 0.0)
@@ -163,13 +161,13 @@ impl<'a, const D: usize> LineSampler<'a, D> {
             at: foot,
             normal,
             dx: self.dx,
-            bond_vector: self.model.cell_bond_vector(),
+            bond_vector: self.solids.model.cell_bond_vector(),
             height: &height,
         };
         let angle =
             contact_angle(&self.phi, &foot).unwrap_or_else(|| slope.dot(&normal).clamp(-1.0, 1.0).acos());
         let young = solid.young_cosine_near(&at, self.dx).clamp(-1.0, 1.0);
-        let force = (normal * angle.sin() - outward * young) * self.model.surface_tension;
+        let force = (normal * angle.sin() - outward * young) * self.solids.model.surface_tension;
         let speed = (self.velocity.linear(&foot.at) - solid.velocity_at(&at)).dot(&outward);
         LinePoint { at, solid: number as u32, angle_degrees: angle.to_degrees(), speed, force, length }
     }

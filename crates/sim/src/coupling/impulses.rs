@@ -87,7 +87,7 @@ impl<const D: usize> CouplingImpulses<D> {
         x: &Vector<D>,
         linear: Vector<D>,
     ) {
-        match solid.surface_point(x) {
+        match solid.surface.closest_point(x) {
             Some(grip) => self.add_at_surface_point(pair, &grip, linear),
             None => self.add(pair, &Impulse::at(x, linear), 1.0),
         }

@@ -13,9 +13,8 @@
 
 use super::impulses::{ComponentSolid, CouplingImpulses, Impulse};
 use crate::collision::points::angular_to_node;
-use crate::collision::solid_response::SolidResponse;
+use crate::collision::solid_response::{FluxRow, SolidResponse};
 use crate::model::Model;
-use crate::solid::deformable::FluxRow;
 use crate::solid::surface::SurfacePoint;
 use crate::solid::{Kinematics, SolidKind, SolidState, Solids};
 use meniscus_numerics::Vector;
@@ -45,7 +44,7 @@ pub fn wetted_surfaces<const D: usize>(
     let wet = cut_cells.cells.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
     let gripped = |w: &CutCell<D>| {
         let centroid = surface_centroid_cells(solids.model, w) * solids.model.grid.dx;
-        (*w, solids.get(w.solid as usize).surface_point(&centroid))
+        (*w, solids.get(w.solid as usize).surface.closest_point(&centroid))
     };
     wet.map(gripped).collect()
 }
@@ -256,7 +255,6 @@ mod tests {
     use crate::free_surface::interface_faces::interface_faces;
     use crate::model::resolution::BAND_WIDTH_CELLS;
     use crate::model::time_step::StepTimes;
-    use crate::model::{Numerics, Wall};
     use crate::simulation::workspace::Workspace;
     use crate::solid::Solid;
     use crate::state::State;
@@ -280,16 +278,8 @@ mod tests {
         height: f64,
         velocity: Vector<D>,
     ) -> Projected<D> {
-        let model = Model {
-            grid: Grid::new([cells; D], 1.0 / cells as f64),
-            walls: [[Wall::Slip; 2]; D],
-            density: 1.0,
-            kinematic_viscosity: 0.0,
-            surface_tension: 0.0,
-            gravity: Vector::zeros(),
-            solids,
-            numerics: Numerics { tolerance: 1e-10, ..Numerics::default() },
-        };
+        let mut model = Model::of_test(Grid::new([cells; D], 1.0 / cells as f64), solids);
+        (model.surface_tension, model.numerics.tolerance) = (0.0, 1e-10);
         let grid = model.grid;
         let mut state = State::empty(grid);
         state.solids = model.initial_solids();

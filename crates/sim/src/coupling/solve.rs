@@ -93,7 +93,6 @@ fn apply_contact_line_forces<const D: usize>(
         let (phi, wet, centers) = (&state.phi.data, &work.cut_cells.cells, &change.centers);
         let (label, touches_no_side) = (&near, &touches_no_side);
         ContactLineForces {
-            model,
             solids,
             phi,
             dual_cells,

@@ -79,7 +79,6 @@ pub fn ghost_cells<const D: usize>(
 ) -> Vec<GhostCell<D>> {
     let model = solids.model;
     let surface = InterfaceSampler {
-        model,
         solids,
         phi: Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary()),
         velocity: VelocitySampler::new(model, &state.velocity),
@@ -102,7 +101,6 @@ pub fn ghost_cells<const D: usize>(
 
 /// The free surface, the solids and their motion.
 struct InterfaceSampler<'a, const D: usize> {
-    model: &'a Model<D>,
     solids: Solids<'a, D>,
     phi: Sampler<'a, D>,
     velocity: VelocitySampler<'a, D>,
@@ -124,7 +122,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
     /// The continuation through a point at a depth (m): that of the nearest side or, in closed cells of thin solids, of the
     /// opposite side.
     fn ghost_cell(&self, slot: u32, x: &Vector<D>, depth: f64, is_closed: bool) -> Option<GhostCell<D>> {
-        let dx = self.model.grid.dx;
+        let dx = self.solids.model.grid.dx;
         let solid = self.solids.nearest(x)?;
         let [normal, velocity] = self.solids.get(solid).normal_and_velocity(x, 0.01 * dx);
         // Half-way between two sides of a solid there is no normal.
@@ -156,7 +154,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
 
     /// The opposite side of a thin solid; `None` if the solid is thick.
     fn opposite_side(&self, x: &Vector<D>, near: &SolidSide<D>) -> Option<SolidSide<D>> {
-        let dx = self.model.grid.dx;
+        let dx = self.solids.model.grid.dx;
         let solid = self.solids.get(near.solid);
         let beyond = x - near.normal * (MAX_OPPOSITE_DEPTH_CELLS * dx);
         let height = solid.liquid_distance(&beyond);
@@ -172,7 +170,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
     /// ([`GRADIENT_NORM_TOLERANCE`]), as beside a film without a line. The gradient is a difference over two cells: at a point of
     /// a film it changes sign with ripples of a hundredth of a cell.
     fn tangential_gradient(&self, x: &Vector<D>, normal: &Vector<D>) -> Vector<D> {
-        let dx = self.model.grid.dx;
+        let dx = self.solids.model.grid.dx;
         let slope: Vector<D> = Vector::from_fn(|a, _| {
             let step: Vector<D> = Vector::from_fn(|b, _| if a == b { dx } else { 0.0 });
             (self.phi.linear(&(x + step)) - self.phi.linear(&(x - step))) / (2.0 * dx)
@@ -183,7 +181,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
 
     /// Exit point of the continuation through a point under a side, and the `phi_scale` within.
     fn exit_point(&self, x: &Vector<D>, side: &SolidSide<D>) -> (Vector<D>, f64) {
-        let (dx, normal, depth) = (self.model.grid.dx, side.normal, side.depth);
+        let (dx, normal, depth) = (self.solids.model.grid.dx, side.normal, side.depth);
         let solid = self.solids.get(side.solid);
         let way = depth + SAMPLE_HEIGHT_CELLS * dx;
         let slope = self.phi.distance_with_gradient(&(x + normal * way)).1;
@@ -197,7 +195,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         if solid.line_friction > 0.0 && !rests {
             let at = outside(bound(cosine.clamp(-1.0, 1.0).acos()));
             let speed = (self.velocity.linear(&at) - solid.velocity_at(&at)).dot(&along);
-            cosine -= solid.line_friction * speed / self.model.surface_tension;
+            cosine -= solid.line_friction * speed / self.solids.model.surface_tension;
         }
         let foot = bound(cosine.clamp(-1.0, 1.0).acos());
         let above = bound(angle(&self.phi.distance_with_gradient(&outside(foot)).1));

@@ -1,6 +1,7 @@
 //! Physical and numerical parameters of a run.
 
 use crate::solid::{Solid, SolidState};
+use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{BoundaryExtension, Grid};
 
@@ -124,6 +125,17 @@ impl<const D: usize> Model<D> {
     /// States of the solids at the start.
     pub fn initial_solids(&self) -> Vec<SolidState<D>> {
         self.solids.iter().map(Solid::initial_state).collect()
+    }
+
+    /// The deformable solids, and the positions and velocities of their vertices in these states.
+    pub fn deformable_solids<'a>(
+        &'a self,
+        states: &'a [SolidState<D>],
+    ) -> impl Iterator<Item = (&'a Elastic<D>, &'a ElasticState<D>)> {
+        let of = |(solid, now): (&'a Solid<D>, &'a SolidState<D>)| {
+            Some((solid.elastic()?, &now.as_deformable()?.vertices))
+        };
+        self.solids.iter().zip(states).filter_map(of)
     }
 
     /// Vector Bond number of a cell, `−ρ g Δ²/γ` in 1/cells²: the liquid's weight as balanced beside solids; zero without solids.

@@ -10,8 +10,9 @@ use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::{InterfaceFace, interface_faces};
 use crate::model::Model;
 use crate::repairs::Repairs;
-use crate::solid::{Solid, SolidState, Solids};
+use crate::solid::Solids;
 use crate::state::{Component, State};
+use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
 use meniscus_numerics::linalg::SolveReport;
@@ -165,22 +166,18 @@ pub fn energy_without_gravity<const D: usize>(model: &Model<D>, state: &State<D>
 /// Elastic energy of the solids at the time of the velocities, J. A step conserves its sum with their kinetic energy
 /// (`meniscus_elastic::IncrementalPotential`).
 fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    let of = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        let (elastic, body) = solid.elastic().zip(now.as_deformable())?;
-        let mut ahead = body.vertices.clone();
+    let energy = |(elastic, now): (&Elastic<D>, &ElasticState<D>)| {
+        let mut ahead = now.clone();
         elastic.advance_positions(&mut ahead, state.velocity_lead);
-        Some(elastic.elastic_energy(&ahead.positions))
+        elastic.elastic_energy(&ahead.positions)
     };
-    model.solids.iter().zip(&state.solids).filter_map(of).sum()
+    model.deformable_solids(&state.solids).map(energy).sum()
 }
 
 /// [`Diagnostics::least_element`].
 fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f64> {
-    let of = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        let (elastic, body) = solid.elastic().zip(now.as_deformable())?;
-        Some(elastic.min_volume_ratio(&body.vertices.positions))
-    };
-    model.solids.iter().zip(&state.solids).filter_map(of).reduce(f64::min)
+    let solids = model.deformable_solids(&state.solids);
+    solids.map(|(elastic, now)| elastic.min_volume_ratio(&now.positions)).reduce(f64::min)
 }
 
 /// Kinetic energy of the liquid and of dynamic solids, J.

@@ -221,7 +221,6 @@ fn find_interface<const D: usize>(
     work.repairs.add(&kappa.repairs);
     work.repairs.unknown_curvatures += faces.iter().filter(|face| !face.is_curvature_known).count() as u64;
     let lines = LineFriction {
-        model,
         state,
         solids_before,
         dual_cells: &change.dual_cells,
@@ -251,12 +250,11 @@ fn begin_impulse<const D: usize>(
 /// Elements near inversion and singular inertias of a state, and the neglected weight of the liquid.
 fn solid_repairs<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs {
     let mut repairs = Repairs { weight_left_out: model.neglected_weight_fraction(), ..Repairs::default() };
-    for (solid, now) in model.solids.iter().zip(&state.solids) {
-        let deformable = solid.elastic().zip(now.as_deformable());
-        let crushed = deformable.map_or(0, |(e, body)| e.crushed_elements(&body.vertices.positions));
-        repairs.crushed_elements += crushed as u64;
-        let is_singular =
-            solid.kind.is_free_rigid() && solid.inverse_inertia(&now.as_rigid()).norm_squared() == 0.0;
+    for (elastic, now) in model.deformable_solids(&state.solids) {
+        repairs.crushed_elements += elastic.crushed_elements(&now.positions) as u64;
+    }
+    for (solid, now) in model.solids.iter().zip(&state.solids).filter(|(s, _)| s.kind.is_free_rigid()) {
+        let is_singular = solid.inverse_inertia(&now.as_rigid()).norm_squared() == 0.0;
         repairs.singular_inertia += u64::from(is_singular);
     }
     repairs

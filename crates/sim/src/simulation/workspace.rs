@@ -91,19 +91,20 @@ impl<const D: usize> Workspace<D> {
             initial_solid_areas: Vec::new(),
             repairs: Repairs::default(),
         };
-        workspace.rebuild_cut_cells(model, &start);
+        workspace.place_solids(model, &start);
         workspace.initial_solid_areas = workspace.measure_surfaces(model);
         if start != state.solids {
-            workspace.move_solids(model, state);
+            workspace.place_solids(model, &state.solids);
         }
         workspace.find_liquid(model, state);
         workspace.rebuild_velocity_extension(model, state);
         workspace
     }
 
-    /// Rebuilds the cut cells near the liquid for the current positions of the solids.
-    fn rebuild_cut_cells(&mut self, model: &Model<D>, now: &[SolidState<D>]) {
-        let solids = Solids { model, states: now, surfaces: &self.surfaces };
+    /// Places the solids: their surfaces, and the cells near the liquid that they cut.
+    fn place_solids(&mut self, model: &Model<D>, states: &[SolidState<D>]) {
+        self.surfaces.update(states);
+        let solids = Solids { model, states, surfaces: &self.surfaces };
         let distances: Vec<_> =
             solids.iter().map(|solid| move |x: &Vector<D>| solid.liquid_distance(x)).collect();
         let cuts = solids.iter().zip(&distances).map(|(solid, d)| solid.embedded_boundary(d));
@@ -116,16 +117,11 @@ impl<const D: usize> Workspace<D> {
         self.dual_grid.update_solids(&self.cut_cells, nearest);
     }
 
-    /// Updates surfaces and cut cells to the positions of the solids, if any of them moves.
+    /// Places the solids where they are now, if any of them moves.
     pub fn update_solids(&mut self, model: &Model<D>, state: &State<D>) {
         if model.solids.iter().any(|s| !matches!(s.kind, SolidKind::Fixed)) {
-            self.move_solids(model, state);
+            self.place_solids(model, &state.solids);
         }
-    }
-
-    fn move_solids(&mut self, model: &Model<D>, state: &State<D>) {
-        self.surfaces.update(&state.solids);
-        self.rebuild_cut_cells(model, &state.solids);
     }
 
     /// Surface area of each solid within the domain, m² (2D: m).

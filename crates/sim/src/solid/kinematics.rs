@@ -128,11 +128,6 @@ impl<const D: usize> DeformableKinematics<D> {
         let mut vertices = elastic.rest_state(INITIAL_DIFFERENCE_TIME);
         let free = vertices.velocities.iter_mut().zip(elastic.anchored()).filter(|(_, held)| !**held);
         free.for_each(|(v, _)| *v = *velocity);
-        Self::new(elastic, vertices)
-    }
-
-    /// A solid with these positions and velocities of its vertices.
-    pub fn new(elastic: &Elastic<D>, vertices: ElasticState<D>) -> Self {
         let mut body = Self { center: Vector::zeros(), velocity: Vector::zeros(), vertices };
         body.update_center_of_mass(elastic);
         body

@@ -1,6 +1,5 @@
 //! Solids: rigid, prescribed and deformable ones, their surfaces and their wettability.
 
-pub mod deformable;
 pub mod description;
 pub mod domain_walls;
 pub mod equilibrium_angle;

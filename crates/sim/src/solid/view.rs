@@ -5,7 +5,7 @@
 
 use super::description::Solid;
 use super::kinematics::{Kinematics, RigidKinematics, SolidState};
-use super::surface::{SolidSurface, SurfacePoint};
+use super::surface::SolidSurface;
 use crate::model::Model;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::EmbeddedBoundary;
@@ -137,7 +137,7 @@ impl<const D: usize> SolidView<'_, D> {
 
     /// Velocity of its point closest to `x`, m/s.
     pub fn velocity_at(&self, x: &Vector<D>) -> Vector<D> {
-        match (&self.state.kinematics, self.surface_point(x)) {
+        match (&self.state.kinematics, self.surface.closest_point(x)) {
             (Kinematics::Deformable(body), Some(point)) => point.interpolate(|k| body.vertices.velocities[k]),
             _ => self.state.as_rigid().velocity_at(x),
         }
@@ -171,19 +171,9 @@ impl<const D: usize> SolidView<'_, D> {
         EmbeddedBoundary { signed_distance, bounds: [low - padding, high + padding] }
     }
 
-    /// Closest point of its surface to `x`, if it deforms.
-    pub fn surface_point(&self, x: &Vector<D>) -> Option<SurfacePoint<D>> {
-        self.surface.closest_point(x)
-    }
-
-    /// Points of its surface within a radius (m) around `x` and their weights, if it deforms.
-    pub fn surface_patch(&self, x: &Vector<D>, radius: f64) -> Vec<(SurfacePoint<D>, f64)> {
-        self.surface.patch(x, radius)
-    }
-
     /// Reference position of the surface point next to `x`, m, and the reference normal there, by differences over `step` (m).
     pub(super) fn reference_point_and_normal(&self, x: &Vector<D>, step: f64) -> (Vector<D>, Vector<D>) {
-        if let (Some(elastic), Some(point)) = (self.elastic(), self.surface_point(x)) {
+        if let (Some(elastic), Some(point)) = (self.elastic(), self.surface.closest_point(x)) {
             let rest = &elastic.rest_mesh().positions;
             let corners = point.vertices.map(|v| rest[v as usize]);
             let normal = meniscus_numerics::mesh::surface::area_vector(&corners);

@@ -32,7 +32,7 @@ impl<const D: usize> DeformableLoads<D> {
             line.point_impulses
                 .get(&(k as u32))
                 .iter()
-                .for_each(|grips| crate::solid::deformable::distribute_to_vertices(grips, &mut impulses));
+                .for_each(|grips| crate::solid::surface::distribute_to_vertices(grips, &mut impulses));
             Some(Self { impulses, extra_stiffness })
         };
         extra_stiffness.into_iter().enumerate().map(start).collect()

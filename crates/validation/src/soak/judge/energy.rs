@@ -14,7 +14,8 @@
 
 use super::invariants::MAX_ENERGY_RISE_PER_STEP;
 use crate::soak::EnergyLaw;
-use meniscus_sim::{Barriers, Diagnostics, Model, Simulation, Solid, SolidState, State, advanced_solids};
+use meniscus_elastic::{Elastic, ElasticState};
+use meniscus_sim::{Barriers, Diagnostics, Model, Simulation, SolidState, State, advanced_solids};
 
 /// Kinds of energy, in the order of [`EnergyLaw::terms`].
 pub const ENERGY_TERMS: [&str; 5] = ["kinetic", "elastic", "barrier", "surface", "potential"];
@@ -113,10 +114,8 @@ impl<const D: usize> EnergyMonitor<D> {
 
 /// The elastic energy of solids, J.
 fn elastic<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
-    let of = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        let (elastic, body) = solid.elastic().zip(now.as_deformable())?;
-        let positions = &body.vertices.positions;
-        Some(elastic.elastic_energy(positions) + elastic.inversion_barrier_energy(positions))
+    let energy = |(elastic, now): (&Elastic<D>, &ElasticState<D>)| {
+        elastic.elastic_energy(&now.positions) + elastic.inversion_barrier_energy(&now.positions)
     };
-    model.solids.iter().zip(solids).filter_map(of).sum()
+    model.deformable_solids(solids).map(energy).sum()
 }
