@@ -197,7 +197,7 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// Those of [`Simulation::step`].
     pub fn step_and_undo(&mut self, max_dt: f64) -> Result<StepReport<D>, StepError> {
-        let snapshot = Snapshot::take(&self.model, &self.state, &mut self.workspace);
+        let snapshot = Snapshot::take(&self.model, &mut self.state, &mut self.workspace);
         let report = self.step(max_dt, &mut |_| {});
         snapshot.restore(&self.model, &mut self.state, &mut self.workspace);
         report
@@ -219,7 +219,7 @@ impl<const D: usize> Simulation<D> {
         // Ends after [`MAX_RETRIES`] and [`MAX_ACCURACY_HALVINGS`].
         loop {
             self.workspace.repairs = Repairs::default();
-            let snapshot = Snapshot::take(&self.model, &self.state, &mut self.workspace);
+            let snapshot = Snapshot::take(&self.model, &mut self.state, &mut self.workspace);
             let step = match self.model.numerics.scheme {
                 Scheme::Meniscus => meniscus_step,
             };

@@ -370,25 +370,23 @@ pub fn component_bounds<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<
     out
 }
 
-/// Copy of φ in the band, the liquid's velocity, components, solids and sums, from which [`Snapshot::restore`] rebuilds the
-/// state before a failed step. Everything else follows from these, except φ in the cells of [`Workspace::overwritten_phi`].
+/// Copy of the state before a step, from which [`Snapshot::restore`] rebuilds it after a failed one: φ in the band, the liquid's velocity,
+/// and all but the dense fields. Everything else follows from these, except φ in the cells of [`Workspace::overwritten_phi`].
 pub struct Snapshot<const D: usize> {
     tiles: Tiles<D>,
     liquid: Runs,
     band_cells: Vec<u32>,
     phi: Vec<f64>,
     velocity: FaceValues<D>,
-    components: Vec<crate::Component<D>>,
-    solids: Vec<crate::SolidState<D>>,
-    elastic_slips: crate::Slips<D>,
-    scalars: (f64, u64, [f64; 6], [f64; 3], [f64; 2]),
+    /// The state with empty fields.
+    rest: State<D>,
 }
 
 type FaceValues<const D: usize> = [Vec<(usize, Vec<f64>)>; D];
 
 impl<const D: usize> Snapshot<D> {
     /// Copies the data that the coming step may overwrite.
-    pub fn take(model: &Model<D>, state: &State<D>, workspace: &mut Workspace<D>) -> Self {
+    pub fn take(model: &Model<D>, state: &mut State<D>, workspace: &mut Workspace<D>) -> Self {
         workspace.overwritten_phi.clear();
         let band_cells = workspace.band.cells.clone();
         let phi = band_cells.iter().map(|&c| state.phi.data[c as usize]).collect();
@@ -400,41 +398,11 @@ impl<const D: usize> Snapshot<D> {
             };
             workspace.known_faces.liquid_faces()[a].iter().map(values).collect()
         });
-        let State {
-            last_dt,
-            velocity_lead,
-            impulse_time,
-            collision_free_dt,
-            displacement_since_redistancing,
-            lost_volume,
-            ..
-        } = *state;
-        let State { outflow_volume, outflow_kinetic_energy, outflow_stored_energy, .. } = *state;
-        let outflow = [outflow_volume, outflow_kinetic_energy, outflow_stored_energy];
-        let start = [
-            last_dt,
-            velocity_lead,
-            impulse_time,
-            collision_free_dt,
-            displacement_since_redistancing,
-            lost_volume,
-        ];
-        let scalars =
-            (state.time, state.step, start, outflow, [state.kinetic_energy, state.effective_surface_area]);
-        let (tiles, components, solids) =
-            (workspace.tiles.clone(), state.components.clone(), state.solids.clone());
-        let liquid = workspace.liquid.clone();
-        Self {
-            tiles,
-            liquid,
-            band_cells,
-            phi,
-            velocity,
-            components,
-            solids,
-            elastic_slips: state.elastic_slips.clone(),
-            scalars,
-        }
+        let fields = state.take_fields();
+        let rest = state.clone();
+        state.put_fields(fields);
+        let (tiles, liquid) = (workspace.tiles.clone(), workspace.liquid.clone());
+        Self { tiles, liquid, band_cells, phi, velocity, rest }
     }
 
     /// Restores the state and the workspace.
@@ -451,19 +419,9 @@ impl<const D: usize> Snapshot<D> {
                 state.velocity.axes[a][at..at + values.len()].copy_from_slice(&values);
             }
         }
-        (state.time, state.step) = (self.scalars.0, self.scalars.1);
-        [
-            state.last_dt,
-            state.velocity_lead,
-            state.impulse_time,
-            state.collision_free_dt,
-            state.displacement_since_redistancing,
-            state.lost_volume,
-        ] = self.scalars.2;
-        [state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy] = self.scalars.3;
-        [state.kinetic_energy, state.effective_surface_area] = self.scalars.4;
-        state.components = self.components;
-        (state.solids, state.elastic_slips) = (self.solids, self.elastic_slips);
+        let fields = state.take_fields();
+        *state = self.rest;
+        state.put_fields(fields);
         // The pressure of a failed solve is no initial guess.
         state.pressure_impulse = CellField::new(model.grid, 0.0);
         // The tiles of the failed step need not cover the liquid and its cut cells.

@@ -47,7 +47,7 @@ fn a_step_taken_back_leaves_the_drops_that_were() {
     let mut changed = 0;
     for _ in 0..40 {
         let before = state.components.clone();
-        let snapshot = Snapshot::take(&model, &state, &mut workspace);
+        let snapshot = Snapshot::take(&model, &mut state, &mut workspace);
         crate::simulation::step::step(&model, &mut state, &mut workspace, 0.5, &mut |_| ()).unwrap();
         changed += workspace.overwritten_phi.len();
         snapshot.restore(&model, &mut state, &mut workspace);
