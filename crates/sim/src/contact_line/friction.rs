@@ -113,20 +113,17 @@ type FacesByPosition = BTreeMap<(usize, usize), DraggedFace>;
 impl<const D: usize> LineFriction<'_, D> {
     /// Computes the faces that the lines drag, and sets the mobility of the interface faces.
     pub fn dragged_faces(&self, interface_faces: &mut [InterfaceFace]) -> Vec<DraggedFace> {
-        let unit = self.impulse_time
-            / (self.solids_before.model.density
-                * self.solids_before.model.grid.dx
-                * self.solids_before.model.grid.dx);
+        let model = self.solids_before.model;
+        let unit = self.impulse_time / (model.density * model.grid.dx * model.grid.dx);
         let strength = |cube: &DualCell| {
-            let friction =
-                self.solids_before.model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
+            let friction = model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
             if cube.pinned { PINNED_DRAG } else { unit * friction }
         };
         let line_cells: Vec<&DualCell> =
             self.dual_cells.iter().filter(|c| c.line_length() > 0.0 && strength(c) > 0.0).collect();
         let mut faces: FacesByPosition = BTreeMap::new();
         for cube in &line_cells {
-            for (axis, face, sides) in faces_around(self.solids_before.model, cube) {
+            for (axis, face, sides) in faces_around(model, cube) {
                 let Some(cell) = sides.into_iter().find(|c| self.state.phi.data[*c] < 0.0) else { continue };
                 let inner = sides.iter().all(|c| self.state.phi.data[*c] < 0.0);
                 let volume_cells = if inner { self.cut_cells.open_fraction.axes[axis][face] } else { 0.0 };
@@ -160,9 +157,10 @@ impl<const D: usize> LineFriction<'_, D> {
 
     /// Adds the drag of the line in a dual cell to the faces around it; `strength` is `ζ h / (ρ Δ²)`.
     fn add_drag(&self, cube: &DualCell, strength: f64, faces: &mut FacesByPosition) {
+        let model = self.solids_before.model;
         let (mut mass, mut crossed) = ([0.0; D], [0.0; D]);
         let (mut velocity, mut surface) = (Vector::<D>::zeros(), Vector::<D>::zeros());
-        for (a, face, _) in faces_around(self.solids_before.model, cube) {
+        for (a, face, _) in faces_around(model, cube) {
             let Some(f) = faces.get(&(a, face)) else { continue };
             let u = self.state.velocity.axes[a][face];
             mass[a] += f.volume_cells;
@@ -176,13 +174,9 @@ impl<const D: usize> LineFriction<'_, D> {
         let rolling = if cube.pinned { 0.0 } else { 0.5 * (0..D).map(|a| outward[a] * over(a)).sum::<f64>() };
         let before = self.solids_before.get(cube.solid as usize);
         let along = cube.line_direction();
-        for (a, face, _) in faces_around(self.solids_before.model, cube) {
+        for (a, face, _) in faces_around(model, cube) {
             let Some(f) = faces.get_mut(&(a, face)).filter(|f| f.volume_cells > 0.0) else { continue };
-            let x = self
-                .solids_before
-                .model
-                .grid
-                .face_center(a, self.solids_before.model.grid.face_lattice(a).coordinates(face));
+            let x = model.grid.face_center(a, model.grid.face_lattice(a).coordinates(face));
             let solid = before.velocity_at(&x);
             // A pinned line also drags along itself: where it bends, liquid that slides along one part would cross the next.
             let slides = if cube.pinned { 0.0 } else { 1.0 };

@@ -87,19 +87,6 @@ impl<const D: usize> SolidState<D> {
     pub fn velocity(&self) -> Vector<D> {
         self.as_rigid().velocity
     }
-
-    /// Sets all its velocities to zero.
-    pub fn stop(&mut self) {
-        match &mut self.kinematics {
-            Kinematics::Rigid(rigid) => {
-                (rigid.velocity, rigid.angular_velocity) = (Vector::zeros(), [0.0; 3])
-            }
-            Kinematics::Deformable(body) => {
-                body.velocity = Vector::zeros();
-                body.vertices.velocities.fill(Vector::zeros());
-            }
-        }
-    }
 }
 
 impl<const D: usize> RigidKinematics<D> {

@@ -4,7 +4,7 @@
 //! the state, and the workspace keeps it.
 
 use super::description::Solid;
-use super::kinematics::{Kinematics, RigidKinematics, SolidState};
+use super::kinematics::{Kinematics, SolidState};
 use super::surface::SolidSurface;
 use crate::model::Model;
 use meniscus_numerics::Vector;
@@ -111,13 +111,9 @@ impl<const D: usize> SolidView<'_, D> {
     /// Signed distance to its surface, m, negative inside.
     pub fn distance(&self, x: &Vector<D>) -> f64 {
         match &self.state.kinematics {
-            Kinematics::Rigid(rigid) => self.rigid_distance(rigid, x),
+            Kinematics::Rigid(rigid) => self.shape.signed_distance(&self.to_reference(rigid, x)),
             Kinematics::Deformable(_) => self.surface.distance(x),
         }
-    }
-
-    fn rigid_distance(&self, rigid: &RigidKinematics<D>, x: &Vector<D>) -> f64 {
-        self.shape.signed_distance(&self.to_reference(rigid, x))
     }
 
     /// Signed distance to the surface at which the liquid meets it, m, negative inside.
@@ -127,30 +123,35 @@ impl<const D: usize> SolidView<'_, D> {
 
     /// Outward direction from its surface, by differences over `step` (m); zero where there is none.
     pub fn normal(&self, x: &Vector<D>, step: f64) -> Vector<D> {
-        let Kinematics::Rigid(rigid) = &self.state.kinematics else { return self.surface.normal(x, step) };
+        if let Kinematics::Deformable(_) = self.state.kinematics {
+            return self.surface.normal(x, step);
+        }
         let slope: Vector<D> = Vector::from_fn(|a, _| {
             let by = Vector::<D>::from_fn(|b, _| if a == b { step } else { 0.0 });
-            self.rigid_distance(rigid, &(x + by)) - self.rigid_distance(rigid, &(x - by))
+            self.distance(&(x + by)) - self.distance(&(x - by))
         });
         slope.try_normalize(0.0).unwrap_or(Vector::zeros())
     }
 
-    /// Velocity of its point closest to `x`, m/s.
+    /// Velocity of the solid at a point, m/s; that of the closest point of its surface if it deforms.
     pub fn velocity_at(&self, x: &Vector<D>) -> Vector<D> {
-        match (&self.state.kinematics, self.surface.closest_point(x)) {
-            (Kinematics::Deformable(body), Some(point)) => point.interpolate(|k| body.vertices.velocities[k]),
-            _ => self.state.as_rigid().velocity_at(x),
+        match &self.state.kinematics {
+            Kinematics::Rigid(rigid) => rigid.velocity_at(x),
+            Kinematics::Deformable(body) => {
+                let point = self.surface.closest_point(x);
+                point.map_or(body.velocity, |point| point.interpolate(|k| body.vertices.velocities[k]))
+            }
         }
     }
 
     /// [`Self::normal`] and [`Self::velocity_at`].
     pub fn normal_and_velocity(&self, x: &Vector<D>, step: f64) -> [Vector<D>; 2] {
-        match (&self.state.kinematics, self.surface.closest_point_and_normal(x, step)) {
-            (Kinematics::Deformable(body), Some((point, normal))) => {
-                [normal, point.interpolate(|k| body.vertices.velocities[k])]
-            }
-            _ => [self.normal(x, step), self.state.as_rigid().velocity_at(x)],
+        if let Kinematics::Deformable(body) = &self.state.kinematics
+            && let Some((point, normal)) = self.surface.closest_point_and_normal(x, step)
+        {
+            return [normal, point.interpolate(|k| body.vertices.velocities[k])];
         }
+        [self.normal(x, step), self.velocity_at(x)]
     }
 
     /// Bounding box of its surface, m.

@@ -6,7 +6,8 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    ContactLine, Kinematics, LineTracker, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, Wall,
+    ContactLine, Kinematics, LineTracker, LiquidRegion, Model, Numerics, RigidKinematics, Simulation, Solid,
+    SolidKind, Wall,
 };
 use std::f64::consts::TAU;
 
@@ -78,9 +79,11 @@ fn on_a_ball<const D: usize>(cells: usize, angle: f64) {
     let gap = (1.0 + radius * radius - 2.0 * radius * angle.to_radians().cos()).sqrt();
     let mut simulation = drop_on(cells, center + up::<D>() * gap, Shape::Ball { center, radius }, angle);
     let (s, c) = 0.7f64.sin_cos();
-    let Kinematics::Rigid(ball) = &mut simulation.state.solids[0].kinematics else { panic!("it deforms") };
-    let turned = &mut ball.rotation;
-    (turned[(0, 0)], turned[(0, D - 1)], turned[(D - 1, 0)], turned[(D - 1, D - 1)]) = (c, -s, s, c);
+    if let Kinematics::Rigid(RigidKinematics { rotation: turned, .. }) =
+        &mut simulation.state.solids[0].kinematics
+    {
+        (turned[(0, 0)], turned[(0, D - 1)], turned[(D - 1, 0)], turned[(D - 1, D - 1)]) = (c, -s, s, c);
+    }
     let tracker = LineTracker::new(&simulation.model, &[dx / 1.5]);
     let line = tracker.extract(&simulation);
     let wrong = line.points.iter().map(|p| (p.angle_degrees - angle).abs()).fold(0.0, f64::max);

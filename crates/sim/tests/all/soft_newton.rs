@@ -9,9 +9,10 @@ use meniscus_sim::{Kinematics, LiquidRegion, Model, Numerics, Simulation, Wall};
 
 /// Sets a soft solid spinning, rad/s, about its centre.
 fn spin(s: &mut Simulation<2>, omega: f64) {
-    let Kinematics::Deformable(body) = &mut s.state.solids[0].kinematics else { panic!("a rigid solid") };
-    for (v, x) in body.vertices.velocities.iter_mut().zip(&body.vertices.positions) {
-        *v = Vector::<2>::from([body.center[1] - x[1], x[0] - body.center[0]]) * omega;
+    if let Kinematics::Deformable(body) = &mut s.state.solids[0].kinematics {
+        for (v, x) in body.vertices.velocities.iter_mut().zip(&body.vertices.positions) {
+            *v = Vector::<2>::from([body.center[1] - x[1], x[0] - body.center[0]]) * omega;
+        }
     }
 }
 
