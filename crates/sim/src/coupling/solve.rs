@@ -173,20 +173,18 @@ fn solve_with_dynamic_solids<const D: usize>(
     line: &CouplingImpulses<D>,
     phase_end: PhaseEnd<'_>,
 ) -> Result<SolidImpulses<D>, SolveError> {
-    let (states_before, times) = (step.solids_before, step.times);
-    let before = Solids { model, states: states_before, surfaces: &work.surfaces };
-    let stiffness = wetted_tension_stiffness(before, &state.phi);
+    let (before, times) = (step.solids_before, step.times);
+    let solids = Solids { model, states: before, surfaces: &work.surfaces };
+    let stiffness = wetted_tension_stiffness(solids, &state.phi);
     let loads = DeformableLoads::of_solids(model, line, stiffness, times.impulse_time);
     apply_impulses_to_rigid(model, &mut state.solids, line);
     let (points, start) = (work.collision_points.clone(), state.velocity.clone());
-    let impact_work =
-        resolve_impacts(model, &points, &mut state.solids, states_before, times, &mut work.repairs);
+    let impact_work = resolve_impacts(model, &points, &mut state.solids, before, times, &mut work.repairs);
     let slips = std::mem::take(&mut state.elastic_slips);
-    let old = points.node_velocities(states_before);
-    let from = OldSolids { solids: before, velocities: &old, elastic_slips: &slips };
+    let from = OldSolids { solids, velocities: &points.node_velocities(before), elastic_slips: &slips };
     let mut newton = NewtonSolver::new(&points, from, &state.solids, &loads, times);
     let label = work.liquid.component_lookup(&model.grid);
-    let wet = wetted_surfaces(before, &work.cut_cells, &state.phi.data);
+    let wet = wetted_surfaces(solids, &work.cut_cells, &state.phi.data);
     let mut iteration = 0;
     loop {
         iteration += 1;
@@ -209,10 +207,10 @@ fn solve_with_dynamic_solids<const D: usize>(
         let ProjectionResult { solves, pressure_impulses: pressure, node_velocity_change } = work
             .pressure
             .project(model, &mut projection, Some(&response), newton.projection_options(), phase_end)?;
-        let friction = line_friction_impulses(before, &state.velocity, step.dragged_faces, &label);
+        let friction = line_friction_impulses(solids, &state.velocity, step.dragged_faces, &label);
         let mut node_impulses = pressure.clone();
         node_impulses.extend(&friction);
-        let node_impulses = response.node_impulses(model, states_before, &node_impulses);
+        let node_impulses = response.node_impulses(model, before, &node_impulses);
         if newton.take_step(&mut state.solids, response, &node_velocity_change, node_impulses)? {
             (state.collision_free_dt, state.elastic_slips) =
                 (newton.collision_free_dt(), newton.next_slips());
