@@ -15,7 +15,7 @@ mod solid;
 mod state;
 
 pub use collision::initial_points::{narrowest_current_gap, narrowest_initial_gap};
-pub use collision::overlap::overlaps;
+pub use collision::overlap::{initial_overlaps, overlaps};
 pub use collision::potential::slips::{ContactKey, Slip, Slips};
 pub use collision::potential::stored_energy::{Barriers, advanced_solids};
 pub use contact_line::tracker::{ContactLine, LinePoint, LineTracker};
@@ -26,12 +26,11 @@ pub use model::{Model, Numerics, Scheme, Wall};
 pub use repairs::{Quantity, Repairs};
 pub use simulation::diagnostics::{Diagnostics, StepReport};
 pub use simulation::{LiquidRegion, Simulation, StepError};
-pub use solid::deformable::Soft;
 pub use solid::domain_walls::WETTING_WALL_MARGIN_CELLS;
 pub use solid::mass_properties::MassProperties;
 pub use solid::wettability::{CosineImage, Hysteresis, WettabilityLayer};
 pub use solid::{
-    DEFAULT_FRICTION, DEFAULT_RESTITUTION, MIN_PLATE_THICKNESS_CELLS, Motion, PrescribedMotion, Solid,
-    SolidState,
+    DEFAULT_FRICTION, DEFAULT_RESTITUTION, DeformableKinematics, Kinematics, MIN_PLATE_THICKNESS_CELLS,
+    PrescribedMotion, RigidKinematics, Solid, SolidKind, SolidState, SolidSurfaces, SolidView, Solids,
 };
 pub use state::{Component, State};

@@ -70,6 +70,13 @@ pub struct Component<const D: usize> {
     pub angular_momentum_per_density: [f64; 3],
 }
 
+/// The values of the dense fields of a [`State`].
+pub(crate) struct DenseFields<const D: usize> {
+    phi: Vec<f64>,
+    velocity: [Vec<f64>; D],
+    pressure_impulse: Vec<f64>,
+}
+
 impl<const D: usize> Component<D> {
     /// Rigid motion of the component.
     pub(crate) fn rigid_motion(&self) -> RigidMotion<D> {
@@ -95,6 +102,22 @@ impl<const D: usize> State<D> {
         self.outflow_volume += component.target_volume;
         self.outflow_kinetic_energy += 0.5 * mass * component.velocity.norm_squared();
         self.outflow_stored_energy -= mass * gravity.dot(&component.centroid);
+    }
+
+    /// Takes the dense fields out, so that the rest can be copied at a cost that does not follow the size of the grid.
+    pub(crate) fn take_fields(&mut self) -> DenseFields<D> {
+        DenseFields {
+            phi: std::mem::take(&mut self.phi.data),
+            velocity: self.velocity.axes.each_mut().map(std::mem::take),
+            pressure_impulse: std::mem::take(&mut self.pressure_impulse.data),
+        }
+    }
+
+    /// Puts the dense fields back.
+    pub(crate) fn put_fields(&mut self, fields: DenseFields<D>) {
+        self.phi.data = fields.phi;
+        self.velocity.axes = fields.velocity;
+        self.pressure_impulse.data = fields.pressure_impulse;
     }
 
     /// Energy that has left through open sides, J (2D: J per metre).

@@ -6,7 +6,7 @@ use meniscus_elastic::{Anchor, Elastic, ElementOrder, SurfaceTension};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_sim::{LineTracker, Model, Motion, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LineTracker, Model, Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::FRAC_PI_2;
 use std::iter::Sum;
 use std::ops::Div;
@@ -118,11 +118,11 @@ impl PlateSetup {
         let low = middle - half;
         let side = |height: f64| vertices_at_height(&mesh.positions, height, middle[0]);
         let (bottom, top) = (side(low[1]), side(low[1] + self.thickness));
-        let motion = match self.support {
-            PlateSupport::Rigid => Motion::Fixed,
-            _ => Motion::Soft(Arc::new(self.elastic(mesh, &low)?)),
+        let kind = match self.support {
+            PlateSupport::Rigid => SolidKind::Fixed,
+            _ => SolidKind::Deformable(Arc::new(self.elastic(mesh, &low)?)),
         };
-        let mut solid = Solid::new(shape, motion, self.density).padded(self.thickness, dx);
+        let mut solid = Solid::new(shape, kind, self.density).padded(self.thickness, dx);
         solid.young_cosine = self.angle.to_radians().cos();
         let t = self.initial_angle.to_radians();
         let radius = self.half_width(self.initial_angle) / t.sin();
@@ -161,9 +161,9 @@ impl PlateSetup {
 impl Plate {
     /// Slope of its lower side between two positions along it, rad.
     pub fn slope(&self, from: f64, to: f64) -> f64 {
-        let Some(soft) = &self.sim.state.solids[0].soft else { return 0.0 };
+        let Some(body) = self.sim.state.solids[0].as_deformable() else { return 0.0 };
         let within = self.bottom.iter().filter(|(_, s)| (from..=to).contains(s));
-        let points: Vec<Vector<2>> = within.map(|(k, _)| soft.state.positions[*k] - self.middle).collect();
+        let points: Vec<Vector<2>> = within.map(|(k, _)| body.vertices.positions[*k] - self.middle).collect();
         let mean = points.iter().sum::<Vector<2>>() / points.len() as f64;
         let sum = |f: &dyn Fn(&Vector<2>) -> f64| points.iter().map(|p| f(&(p - mean))).sum::<f64>();
         (sum(&|d| d[0] * d[1]) / sum(&|d| d[0] * d[0])).atan()
@@ -171,8 +171,8 @@ impl Plate {
 
     /// Positions of the vertices of a side.
     fn vertex_positions(&self, side: &[(usize, f64)], within: impl Fn(f64) -> bool) -> Vec<Vector<2>> {
-        let Some(soft) = &self.sim.state.solids[0].soft else { return Vec::new() };
-        side.iter().filter(|(_, s)| within(*s)).map(|(k, _)| soft.state.positions[*k]).collect()
+        let Some(body) = self.sim.state.solids[0].as_deformable() else { return Vec::new() };
+        side.iter().filter(|(_, s)| within(*s)).map(|(k, _)| body.vertices.positions[*k]).collect()
     }
 
     /// Half the angle between the last pieces of the given length at both ends, rad; positive where they rise.

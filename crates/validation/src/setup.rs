@@ -4,7 +4,9 @@ use crate::measure::{Roundness, fit_mode, surface_points};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{LiquidRegion, Model, Motion, Numerics, Simulation, Solid, StepError, StepReport, Wall};
+use meniscus_sim::{
+    LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, StepError, StepReport, Wall,
+};
 
 /// Radius of the drops.
 pub const RADIUS: f64 = 0.5;
@@ -52,7 +54,7 @@ pub fn block<const D: usize>(center: Vector<D>, half_size: Vector<D>) -> Shape<D
 
 /// A fixed solid on which the liquid has a contact angle, degrees.
 pub fn wetted<const D: usize>(shape: Shape<D>, angle: f64) -> Solid<D> {
-    let mut solid = Solid::new(shape, Motion::Fixed, 1.0);
+    let mut solid = Solid::new(shape, SolidKind::Fixed, 1.0);
     solid.young_cosine = angle.to_radians().cos();
     solid
 }

@@ -4,7 +4,7 @@ use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticError, ElasticSp
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Motion, Solid, StepError};
+use meniscus_sim::{Solid, SolidKind, StepError};
 use std::sync::Arc;
 
 /// A neo-Hookean material.
@@ -60,7 +60,7 @@ impl SoftMaterial {
         let mut anchors = vec![Anchor::within(&mesh, held)];
         anchors.retain(|anchor| !anchor.vertices.is_empty());
         let elastic = self.elastic(mesh, anchors).map_err(not_made)?;
-        Ok(Solid::new(shape, Motion::Soft(Arc::new(elastic)), self.density))
+        Ok(Solid::new(shape, SolidKind::Deformable(Arc::new(elastic)), self.density))
     }
 }
 

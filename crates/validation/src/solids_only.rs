@@ -11,7 +11,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    Barriers, Diagnostics, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, StepError, Wall,
+    Barriers, Diagnostics, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, StepError, Wall,
     overlaps,
 };
 use std::sync::Arc;
@@ -111,25 +111,29 @@ pub fn soft<const D: usize>(
     let elastic = material.elastic(mesh, anchors).map_err(not_made)?;
     let (center, half_size) = ((low + high) * 0.5, (high - low) * 0.5);
     let shape = block(center, half_size);
-    let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), material.density);
+    let mut solid = Solid::new(shape, SolidKind::Deformable(Arc::new(elastic)), material.density);
     solid.friction = friction;
     Ok(solid)
 }
 
 /// A rigid box along the axes.
-pub fn rigid_box<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Motion<D>) -> Solid<D> {
-    Solid::new(block(center, half_size), motion, 1.0)
+pub fn rigid_box<const D: usize>(center: Vector<D>, half_size: Vector<D>, kind: SolidKind<D>) -> Solid<D> {
+    Solid::new(block(center, half_size), kind, 1.0)
 }
 
 /// A rigid half-space with its face at a height, towards the middle.
-pub fn rigid_half_space<const D: usize>(height: f64, motion: Motion<D>) -> Solid<D> {
+pub fn rigid_half_space<const D: usize>(height: f64, kind: SolidKind<D>) -> Solid<D> {
     let shape = Shape::HalfSpace { point: up(height), normal: up(-height.signum()) };
-    Solid::new(shape, motion, 1.0)
+    Solid::new(shape, kind, 1.0)
 }
 
 /// A motion prescribed by times and displacements.
-pub fn prescribed_motion<const D: usize>(keyframes: Vec<(f64, Vector<D>)>) -> Motion<D> {
-    Motion::Prescribed(PrescribedMotion { velocity: Vector::zeros(), angular_velocity: [0.0; 3], keyframes })
+pub fn prescribed_motion<const D: usize>(keyframes: Vec<(f64, Vector<D>)>) -> SolidKind<D> {
+    SolidKind::Prescribed(PrescribedMotion {
+        velocity: Vector::zeros(),
+        angular_velocity: [0.0; 3],
+        keyframes,
+    })
 }
 
 /// A domain without liquid.
@@ -156,7 +160,7 @@ pub fn gravity<const D: usize>() -> Vector<D> {
 
 /// Positions of the vertices of a deformable solid; none for a rigid one.
 pub fn vertices<const D: usize>(simulation: &Simulation<D>, solid: usize) -> &[Vector<D>] {
-    simulation.state.solids[solid].soft.as_ref().map_or(&[], |soft| &soft.state.positions)
+    simulation.state.solids[solid].as_deformable().map_or(&[], |body| &body.vertices.positions)
 }
 
 /// Area vectors of the surface vertices of a deformable solid, m² (2D: m): the integrals of the elements' shape functions over the
@@ -212,7 +216,7 @@ impl<const D: usize> ContactMonitor<D> {
         let (model, solids) = (&simulation.model, &simulation.state.solids);
         self.narrowest_gap = self.narrowest_gap.min(self.barriers.narrowest_gap(model, solids));
         self.deepest_overlap =
-            overlaps(model, solids).iter().map(|o| o.2).fold(self.deepest_overlap, f64::max);
+            overlaps(simulation.solids()).iter().map(|o| o.2).fold(self.deepest_overlap, f64::max);
         self.least_element_volume =
             self.least_element_volume.min(ledger.least_element.unwrap_or(f64::INFINITY));
         self.steps += 1;

@@ -13,7 +13,7 @@ use crate::file::{Scene, ShapeSpec, Warning};
 use crate::units::{format_si, format_volume};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Lattice;
-use meniscus_sim::Solid;
+use meniscus_sim::{SolidSurfaces, Solids};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -84,15 +84,16 @@ fn is_drop(shape: &ShapeSpec) -> bool {
 }
 
 fn displaced_bodies_of<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<DisplacedBody> {
-    let start: Vec<_> = setup.model.solids.iter().map(Solid::initial_state).collect();
-    let obstacles = Obstacles::new(&setup.model.solids, &start, scene.domain.dx);
+    let (model, states) = (&setup.model, &setup.model.initial_solids());
+    let solids = Solids { model, states, surfaces: &SolidSurfaces::new(&model.solids, states) };
+    let obstacles = Obstacles::new(solids, scene.domain.dx);
     let immersed = |body: usize, solid: usize| {
-        let [low, high] = setup.model.solids[solid].bounds(&start[solid]);
+        let solid = solids.get(solid);
+        let [low, high] = solid.bounds();
         let finite = low.iter().chain(high.iter()).all(|x| x.is_finite());
-        let (solid, now) = (&setup.model.solids[solid], &start[solid]);
         finite
             && sample_points(&low, &high, SAMPLES_PER_AXIS[D - 2] / 8)
-                .all(|x| solid.distance(now, &x) > 0.0 || (setup.bodies[body].0)(&x) < 0.0)
+                .all(|x| solid.distance(&x) > 0.0 || (setup.bodies[body].0)(&x) < 0.0)
     };
     let of_body = |body: usize| {
         let [low, high] = sampling_box::<D>(scene, &scene.liquid.bodies[body].shape);

@@ -15,7 +15,7 @@ use crate::run::{self, Outcome, RunError};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Numerics, PrescribedMotion, Solid};
+use meniscus_sim::{Model, Numerics, PrescribedMotion, Solid, SolidKind};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -184,15 +184,14 @@ fn check_solids_apart<const D: usize>(scene: &Scene, model: &Model<D>) -> Result
     let name = |i: usize| &scene.solids[i].name;
     let free = |s: &SolidSpec| matches!(s.material, Material::Rigid { fixed: false });
     for (i, solid) in model.solids.iter().enumerate() {
-        if free(&scene.solids[i]) && solid.motion != Motion::Free {
+        if free(&scene.solids[i]) && !solid.kind.is_free_rigid() {
             let error =
                 SceneError::new(format!("the free solid `{}` is unbounded and has no finite mass", name(i)));
             let help = "use material.rigid = { fixed = true }, or a bounded shape";
             return Err(scene.source.at_value(error.with_help(help), &at(i, "material")));
         }
     }
-    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
-    let all = meniscus_sim::overlaps(model, &start);
+    let all = meniscus_sim::initial_overlaps(model);
     let deepest = all.into_iter().max_by(|a, b| a.2.total_cmp(&b.2));
     let Some((i, other, depth)) = deepest.filter(|o| o.2 > CONTACT_TOLERANCE_CELLS * model.grid.dx) else {
         return check_initial_gaps(scene, model);
@@ -256,25 +255,25 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
 fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, SceneError> {
     let shape = shape(&spec.shape, &scene.files);
     shape.iter().try_for_each(|shape| check_mesh_inside_domain(scene, spec, shape))?;
-    let motion = match &spec.material {
+    let kind = match &spec.material {
         Material::Kinematic { velocity, angular_velocity, keyframes } => {
             let mut angular_velocity_3d = [0.0; 3];
             let first = 3 - angular_velocity.len().min(3);
             angular_velocity_3d[first..].copy_from_slice(&angular_velocity[..3 - first]);
             let keyframes = keyframes.iter().map(|k| (k.time, vector(&k.translate))).collect();
-            Motion::Prescribed(PrescribedMotion {
+            SolidKind::Prescribed(PrescribedMotion {
                 velocity: vector(velocity),
                 angular_velocity: angular_velocity_3d,
                 keyframes,
             })
         }
-        Material::Rigid { fixed: false } => Motion::Free,
+        Material::Rigid { fixed: false } => SolidKind::Rigid,
         _ => match super::deformable::elastic(scene, spec)? {
-            Some(elastic) => Motion::Soft(Arc::new(elastic)),
-            None => Motion::Fixed,
+            Some(elastic) => SolidKind::Deformable(Arc::new(elastic)),
+            None => SolidKind::Fixed,
         },
     };
-    let mut solid = Solid::new(shape?, motion, spec.density.unwrap_or(scene.liquid.density));
+    let mut solid = Solid::new(shape?, kind, spec.density.unwrap_or(scene.liquid.density));
     solid.initial_velocity = vector(&spec.velocity);
     let tension = scene.tension.solids.iter().find(|(name, _)| *name == spec.name);
     (solid.restitution, solid.friction) = (spec.collision.restitution, spec.collision.friction);

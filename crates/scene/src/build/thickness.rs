@@ -4,7 +4,7 @@ use crate::error::SceneError;
 use crate::file::{Scene, Solid as SolidSpec};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
-use meniscus_sim::{LineTracker, MIN_PLATE_THICKNESS_CELLS, Model, Solid};
+use meniscus_sim::{LineTracker, MIN_PLATE_THICKNESS_CELLS, Model, Solid, SolidSurfaces, Solids};
 
 /// Largest share of a solid's surface that may be thinner than a cell; sharp rims are.
 const MAX_THIN_SHARE: f64 = 0.1;
@@ -24,15 +24,16 @@ const SAMPLES_PER_THICKNESS: u32 = 100;
 /// [`SceneError`] at the solid's shape.
 pub fn pad_thin_solids<const D: usize>(scene: &Scene, model: &Model<D>) -> Result<Vec<Solid<D>>, SceneError> {
     let edges: Vec<f64> = scene.solids.iter().map(|s| s.mesh_edge.max(0.5 * scene.domain.dx)).collect();
-    let surfaces = LineTracker::new(model, &edges);
-    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
+    let tracker = LineTracker::new(model, &edges);
+    let states = &model.initial_solids();
+    let solids = Solids { model, states, surfaces: &SolidSurfaces::new(&model.solids, states) };
     let dx = scene.domain.dx;
     let mut padded = Vec::new();
     for (i, solid) in scene.solids.iter().enumerate() {
-        let inside = |x: &Vector<D>| model.solids[i].distance(&start[i], x) < 0.0;
+        let inside = |x: &Vector<D>| solids.get(i).distance(x) < 0.0;
         let soft = model.solids[i].elastic().is_some();
         let min_cells = if soft { MIN_SOFT_THICKNESS_CELLS * (1.0 - RELATIVE_ROUNDING) } else { 1.0 };
-        let surface = surfaces.surface(model, &start, i);
+        let surface = tracker.surface(solids, i);
         let thin = thin_share(&surface, min_cells * dx, &inside);
         if thin <= MAX_THIN_SHARE {
             let is_plate = thin_share(&surface, MIN_PLATE_THICKNESS_CELLS * dx, &inside) > MIN_PLATE_SHARE;

@@ -4,7 +4,7 @@ use super::thin_liquid::Obstacles;
 use crate::build::Setup;
 use crate::file::{Scene, Warning};
 use meniscus_numerics::Vector;
-use meniscus_sim::Solid;
+use meniscus_sim::{SolidSurfaces, Solids};
 use rayon::prelude::*;
 
 /// Width, in cells, below which liquid in a gap is not resolved.
@@ -19,15 +19,16 @@ const MAX_STEPS_PER_LENGTH: u32 = 8;
 /// Warnings of gaps narrower than two cells between solids at the start.
 pub(crate) fn warnings<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<Warning> {
     let model = &setup.model;
-    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
-    let obstacles = Obstacles::new(&model.solids, &start, model.grid.dx);
+    let states = &model.initial_solids();
+    let solids = Solids { model, states, surfaces: &SolidSurfaces::new(&model.solids, states) };
+    let obstacles = Obstacles::new(solids, model.grid.dx);
     let named = scene.solids.len();
     let mut out = Vec::new();
     for j in 1..named {
         for i in 0..j {
-            let [a, b] = [&model.solids[i], &model.solids[j]];
+            let [a, b] = [solids.get(i), solids.get(j)];
             let width = |x: &Vector<D>| {
-                let [p, q] = [a.liquid_distance(&start[i], x), b.liquid_distance(&start[j], x)];
+                let [p, q] = [a.liquid_distance(x), b.liquid_distance(x)];
                 if p < 0.0 || q < 0.0 { f64::INFINITY } else { p + q }
             };
             let Some(narrowest) = narrowest_gap_center(&obstacles, setup, [i, j]) else { continue };

@@ -9,7 +9,7 @@
 use crate::build::Setup;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Grid, Lattice};
-use meniscus_sim::{Simulation, Solid, SolidState};
+use meniscus_sim::{Simulation, SolidSurfaces, SolidView, Solids};
 use rayon::prelude::*;
 
 /// Radius of the ball that must fit, in cells.
@@ -32,7 +32,7 @@ pub struct ThinLiquid<const D: usize> {
 pub fn of_simulation<const D: usize>(simulation: &Simulation<D>) -> ThinLiquid<D> {
     let (model, state) = (&simulation.model, &simulation.state);
     let lattice = model.grid.lattice();
-    let solids = Obstacles::new(&model.solids, &state.solids, model.grid.dx);
+    let solids = Obstacles::new(simulation.solids(), model.grid.dx);
     measure_thin_liquid(&model.grid, |at| {
         let phi = state.phi.data[lattice.index(at)];
         if phi > model.grid.dx { phi } else { phi.max(-solids.distance(&model.grid.center(at))) }
@@ -42,12 +42,13 @@ pub fn of_simulation<const D: usize>(simulation: &Simulation<D>) -> ThinLiquid<D
 /// The thin liquid of the initial liquid bodies of a setup.
 pub fn of_setup<const D: usize>(setup: &Setup<D>) -> ThinLiquid<D> {
     let (model, grid) = (&setup.model, &setup.model.grid);
-    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
-    let solids = Obstacles::new(&model.solids, &start, grid.dx);
+    let states = &model.initial_solids();
+    let solids = Solids { model, states, surfaces: &SolidSurfaces::new(&model.solids, states) };
+    let obstacles = Obstacles::new(solids, grid.dx);
     measure_thin_liquid(grid, |at| {
         let x = grid.center(at);
         let phi = setup.bodies.iter().map(|(body, _)| body(&x)).fold(f64::INFINITY, f64::min);
-        if phi > grid.dx { phi } else { phi.max(-solids.distance(&x)) }
+        if phi > grid.dx { phi } else { phi.max(-obstacles.distance(&x)) }
     })
 }
 
@@ -118,18 +119,18 @@ fn neighbour_cell<const D: usize>(
 /// The solids as boundaries of the liquid.
 pub struct Obstacles<'a, const D: usize> {
     /// Each solid with a box around all points closer to it than two cells.
-    solids: Vec<(&'a Solid<D>, &'a SolidState<D>, [Vector<D>; 2])>,
+    solids: Vec<(SolidView<'a, D>, [Vector<D>; 2])>,
 }
 
 impl<'a, const D: usize> Obstacles<'a, D> {
-    /// The solids of a model at their present positions.
-    pub fn new(solids: &'a [Solid<D>], now: &'a [SolidState<D>], dx: f64) -> Self {
-        let boxed = |(solid, now): (&'a Solid<D>, &'a SolidState<D>)| {
-            let [low, high] = solid.bounds(now);
+    /// The solids at their present positions.
+    pub fn new(solids: Solids<'a, D>, dx: f64) -> Self {
+        let boxed = |solid: SolidView<'a, D>| {
+            let [low, high] = solid.bounds();
             let reach = Vector::<D>::repeat(2.0 * dx + solid.padding);
-            (solid, now, [low - reach, high + reach])
+            (solid, [low - reach, high + reach])
         };
-        Self { solids: solids.iter().zip(now).map(boxed).collect() }
+        Self { solids: solids.iter().map(boxed).collect() }
     }
 
     /// Distance of a point to the nearest solid, m, negative inside; infinite beyond two cells.
@@ -140,8 +141,8 @@ impl<'a, const D: usize> Obstacles<'a, D> {
     /// Distances, m, to the solids that may be closer than two cells, with their numbers.
     pub fn distances<'b>(&'b self, x: &'b Vector<D>) -> impl Iterator<Item = (usize, f64)> + 'b {
         let near = |[low, high]: &[Vector<D>; 2]| (0..D).all(|a| low[a] <= x[a] && x[a] <= high[a]);
-        let all = self.solids.iter().enumerate().filter(move |(_, s)| near(&s.2));
-        all.map(move |(i, (solid, now, _))| (i, solid.liquid_distance(now, x)))
+        let all = self.solids.iter().enumerate().filter(move |(_, s)| near(&s.1));
+        all.map(move |(i, (solid, _))| (i, solid.liquid_distance(x)))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::estimate::thin_liquid::{ThinLiquid, WARNING_SHARE};
 use meniscus_numerics::Vector;
-use meniscus_sim::{Diagnostics, Model, Repairs, SolidState, StepReport, overlaps};
+use meniscus_sim::{Diagnostics, Model, Repairs, Solids, StepReport, overlaps};
 use serde::{Deserialize, Serialize};
 
 /// Everything that a resumed run needs beside the state. Part of every checkpoint.
@@ -95,11 +95,11 @@ impl RunStatistics {
     }
 
     /// Adds the overlaps of the solids of a frame, if any of them deforms.
-    pub fn add_overlaps<const D: usize>(&mut self, model: &Model<D>, solids: &[SolidState<D>]) {
-        let soft = |i: usize| solids[i].soft.is_some();
-        if (0..solids.len()).any(soft) {
+    pub fn add_overlaps<const D: usize>(&mut self, solids: Solids<'_, D>) {
+        let deforms = |i: usize| solids.get(i).elastic().is_some();
+        if (0..solids.states.len()).any(deforms) {
             let so_far = self.deepest_overlap.unwrap_or(0.0);
-            let all = overlaps(model, solids).into_iter().filter(|o| soft(o.0) || o.1.is_some_and(soft));
+            let all = overlaps(solids).into_iter().filter(|o| deforms(o.0) || o.1.is_some_and(deforms));
             self.deepest_overlap = Some(all.map(|o| o.2).fold(so_far, f64::max));
         }
     }

@@ -68,7 +68,7 @@ impl SolidMeasures {
             put(base_radius(&points));
             put(Some(simulation.wetted_fraction(number)));
             if let Some(tip) = tip {
-                put(deflection(&simulation.model.solids[number], &simulation.state.solids[number]));
+                put(deflection(&simulation.solid(number)));
                 let at = tip_position(simulation, number, tip);
                 (0..D).for_each(|a| put(at.map(|x| x[a])));
             }
@@ -81,7 +81,7 @@ impl SolidMeasures {
 /// none is anchored; none for a rigid solid.
 fn tip_vertices<const D: usize>(simulation: &Simulation<D>, number: usize) -> Option<Vec<u32>> {
     let elastic = simulation.model.solids[number].elastic()?;
-    let surface_vertices = simulation.state.solids[number].soft.as_ref()?.surface.volume_vertices();
+    let surface_vertices = simulation.solid(number).surface.volume_vertices();
     let rest = &elastic.rest_mesh().positions;
     let anchored: Vec<u32> =
         surface_vertices.iter().copied().filter(|v| elastic.anchored()[*v as usize]).collect();
@@ -100,7 +100,7 @@ fn tip_vertices<const D: usize>(simulation: &Simulation<D>, number: usize) -> Op
 
 /// Position of the tip, m: the mean of its vertices.
 fn tip_position<const D: usize>(simulation: &Simulation<D>, number: usize, tip: &[u32]) -> Option<[f64; 3]> {
-    let positions = &simulation.state.solids[number].soft.as_ref()?.state.positions;
+    let positions = &simulation.state.solids[number].as_deformable()?.vertices.positions;
     let sum: Vector<D> = tip.iter().map(|v| positions[*v as usize]).sum();
     Some(padded_to_3d(&(sum / tip.len() as f64)))
 }

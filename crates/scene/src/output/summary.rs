@@ -5,7 +5,7 @@ use crate::estimate::parameters::Parameter;
 use crate::job::{Job, RunStatistics, ThinLiquidStatistics, padded_to_3d};
 use meniscus_numerics::Vector;
 use meniscus_numerics::fit::RigidTransform;
-use meniscus_sim::{Component, ContactLine, Motion, Quantity, Repairs, Simulation, Solid, SolidState};
+use meniscus_sim::{Component, ContactLine, Quantity, Repairs, Simulation, SolidView};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -190,21 +190,22 @@ pub struct SolidSummary {
 
 impl SolidSummary {
     fn of<const D: usize>(name: &str, simulation: &Simulation<D>, number: usize, angle: Option<f64>) -> Self {
-        let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
+        let solid = simulation.solid(number);
+        let now = solid.state;
         let list = |v: &Vector<D>| v.iter().copied().collect::<Vec<f64>>();
-        let bounds = solid.bounds(now).map(|b| b.iter().map(|x| x.is_finite().then_some(*x)).collect());
+        let bounds = solid.bounds().map(|b| b.iter().map(|x| x.is_finite().then_some(*x)).collect());
         let [lower, upper] = bounds;
         Self {
             name: name.to_string(),
-            centroid: list(&now.center),
-            velocity: list(&now.velocity),
+            centroid: list(&now.center_of_mass()),
+            velocity: list(&now.velocity()),
             lower,
             upper,
             net_force: list(&(now.pressure_force + now.contact_line_force)),
             pressure_force: list(&now.pressure_force),
             line_force: list(&now.contact_line_force),
             contact_angle: angle,
-            contact_force: match (solid.motion == Motion::Free, solid.elastic()) {
+            contact_force: match (solid.kind.is_free_rigid(), solid.elastic()) {
                 (true, _) => list(&(now.contact_acceleration * solid.mass_properties.mass)),
                 (_, Some(elastic)) => {
                     list(&(now.contact_acceleration * elastic.masses().iter().sum::<f64>()))
@@ -212,17 +213,17 @@ impl SolidSummary {
                 _ => list(&Vector::zeros()),
             },
             wetted: simulation.wetted_fraction(number),
-            deflection: deflection(solid, now),
+            deflection: deflection(&solid),
         }
     }
 }
 
 /// Deflection of a deformable solid, m.
-pub fn deflection<const D: usize>(solid: &Solid<D>, now: &SolidState<D>) -> Option<f64> {
-    let (elastic, soft) = (solid.elastic()?, now.soft.as_ref()?);
+pub fn deflection<const D: usize>(solid: &SolidView<'_, D>) -> Option<f64> {
+    let (elastic, body) = (solid.elastic()?, solid.state.as_deformable()?);
     let points =
         |all: &[Vector<D>]| all.iter().map(|x| Vector::<3>::from(padded_to_3d(x))).collect::<Vec<_>>();
-    let (start, end) = (points(&elastic.rest_mesh().positions), points(&soft.state.positions));
+    let (start, end) = (points(&elastic.rest_mesh().positions), points(&body.vertices.positions));
     let motion = rigid_motion_of_anchors(elastic.anchored(), &start, &end);
     let bent = |x: &Vector<3>| motion.map_or(*x, |motion| motion.inverse_transformed(x));
     Some(start.iter().zip(&end).map(|(a, b)| (bent(b) - a).norm()).fold(0.0, f64::max))

@@ -3,7 +3,9 @@
 use super::*;
 use meniscus_elastic::ElasticState;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Component, ContactKey, Repairs, Slip, Soft, SolidState};
+use meniscus_sim::{
+    Component, ContactKey, DeformableKinematics, Kinematics, Repairs, RigidKinematics, Slip, SolidState,
+};
 
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("meniscus-{name}-{}", std::process::id()));
@@ -27,20 +29,25 @@ fn example() -> State<2> {
         velocity: Vector::from([-0.0, 1e-300]),
         angular_momentum_per_density: [0.0, 0.0, 0.7],
     });
-    state.solids.push(SolidState {
-        center: Vector::from([0.3, 0.4]),
-        rotation: Matrix::from_column_slice(&[0.6, 0.8, -0.8, 0.6]),
-        velocity: Vector::from([1.0, -2.0]),
-        angular_velocity: [0.0, 0.0, 3.0],
+    let rigid = SolidState {
         pressure_force: Vector::from([0.1, 0.7]),
         contact_line_force: Vector::from([0.2, -0.1]),
         contact_acceleration: Vector::from([0.5, 9.0]),
-        soft: Some(Soft::without_surface(ElasticState {
-            time: 0.7,
-            positions: vec![Vector::from([0.1, 0.2]), Vector::from([-3.0, 1e-9])],
-            velocities: vec![Vector::from([0.3, 0.0]), Vector::from([7.0, -0.1])],
-        })),
-    });
+        ..SolidState::new(Kinematics::Rigid(RigidKinematics {
+            center: Vector::from([0.3, 0.4]),
+            rotation: Matrix::from_column_slice(&[0.6, 0.8, -0.8, 0.6]),
+            velocity: Vector::from([1.0, -2.0]),
+            angular_velocity: [0.0, 0.0, 3.0],
+        }))
+    };
+    let vertices = ElasticState {
+        time: 0.7,
+        positions: vec![Vector::from([0.1, 0.2]), Vector::from([-3.0, 1e-9])],
+        velocities: vec![Vector::from([0.3, 0.0]), Vector::from([7.0, -0.1])],
+    };
+    let (center, velocity) = (Vector::from([-1.45, 0.1]), Vector::from([3.65, -0.05]));
+    let deformable = Kinematics::Deformable(DeformableKinematics { center, velocity, vertices });
+    state.solids = vec![rigid, SolidState::new(deformable)];
     for (other, friction_limit) in [(0, 3.0), (9, 0.1)] {
         let slip = Slip {
             displacement: Vector::from([1e-9, -0.3]),

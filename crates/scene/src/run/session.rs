@@ -283,7 +283,7 @@ impl<'a, const D: usize> Session<'a, D> {
         let frame = self.extractor.frame(&self.simulation, &self.contact_line);
         let frame = frame.map_err(|NotFinite { what }| self.not_finite(what))?;
         self.statistics.next_frame += 1;
-        self.statistics.add_overlaps(&self.simulation.model, &self.simulation.state.solids);
+        self.statistics.add_overlaps(self.simulation.solids());
         self.check_thin_liquid(observer)?;
         if !self.job.writes(number) {
             return Ok(());

@@ -12,7 +12,7 @@ use meniscus_scene::build::AnySetup;
 use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use meniscus_scene::run::checkpoint;
 use meniscus_scene::run::{RunStatistics, Setup};
-use meniscus_sim::{Simulation, State};
+use meniscus_sim::{Simulation, SolidSurfaces, Solids, State};
 use std::path::{Path, PathBuf};
 
 /// Steps of a scene.
@@ -113,6 +113,12 @@ fn undo<const D: usize>(name: &str, simulation: &mut Simulation<D>) {
     beyond(&mut before);
     beyond(after);
     assert_eq!(hash(&before), hash(after), "{name}: a step that is undone changes the state");
+    let surfaces = &SolidSurfaces::new(&simulation.model.solids, &simulation.state.solids);
+    let fresh = Solids { surfaces, ..simulation.solids() };
+    for (kept, fresh) in simulation.solids().iter().zip(fresh.iter()) {
+        let [kept, fresh] = [kept, fresh].map(|solid| &solid.surface.mesh.positions);
+        assert_eq!(kept, fresh, "{name}: a step that is undone changes the surface of a solid");
+    }
 }
 
 fn golden(name: &str) -> Golden {

@@ -6,6 +6,7 @@ use meniscus_numerics::Vector;
 use meniscus_scene::build::{self, AnySetup};
 use meniscus_scene::error::SceneError;
 use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
+use meniscus_sim::{SolidSurfaces, Solids};
 use std::path::{Path, PathBuf};
 
 const SCENE: &str = r#"format = 1
@@ -47,8 +48,9 @@ fn folder(name: &str) -> PathBuf {
 /// The angle, degrees, on top of the plate.
 fn angle_at(scene: &Scene, x: f64, y: f64) -> f64 {
     let setup = build::setup::<3>(scene).unwrap_or_else(|e| panic!("{}", e.render()));
-    let solid = &setup.model.solids[0];
-    let cosine = solid.young_cosine_near(&solid.initial_state(), &Vector::<3>::new(x, y, 5e-4), 1e-5);
+    let (model, states) = (&setup.model, &setup.model.initial_solids());
+    let solids = Solids { model, states, surfaces: &SolidSurfaces::new(&model.solids, states) };
+    let cosine = solids.get(0).young_cosine_near(&Vector::<3>::new(x, y, 5e-4), 1e-5);
     cosine.acos().to_degrees()
 }
 

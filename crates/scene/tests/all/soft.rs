@@ -182,7 +182,7 @@ fn parts_go_as_told() {
         assert_eq!(scene, load(&scene.to_toml().unwrap(), nowhere).unwrap());
         let setup = build::setup::<2>(&scene).unwrap();
         let mut simulation = setup.simulation();
-        let start = simulation.state.solids[0].soft.clone().unwrap().state;
+        let start = simulation.state.solids[0].as_deformable().unwrap().vertices.clone();
         let elastic = setup.model.solids[0].elastic().unwrap();
         let speed = |v: usize| start.velocities[v];
         assert!(
@@ -192,7 +192,8 @@ fn parts_go_as_told() {
         for _ in 0..3 {
             simulation.step(1e-3, &mut |_| {}).unwrap();
         }
-        let (now, time) = (simulation.state.solids[0].soft.clone().unwrap().state, simulation.state.time);
+        let (body, time) = (simulation.state.solids[0].as_deformable().unwrap(), simulation.state.time);
+        let now = &body.vertices;
         for v in (0..now.positions.len()).filter(|v| elastic.anchored()[*v]) {
             let way = now.positions[v] - start.positions[v];
             assert!((way - Vector::from(ahead) * time).norm() < 1e-12, "{way} after {time} s");
@@ -421,11 +422,7 @@ fn the_summary_tells_the_deflection() {
         for _ in 0..5 {
             simulation.step(1e-3, &mut |_| {}).unwrap();
         }
-        let way = meniscus_scene::output::summary::deflection(
-            &simulation.model.solids[0],
-            &simulation.state.solids[0],
-        );
-        let way = way.unwrap();
+        let way = meniscus_scene::output::summary::deflection(&simulation.solid(0)).unwrap();
         // A free plate flies as it is; one that is held bends.
         assert!(if bent { way > 1e-4 } else { way < 1e-9 }, "{way} m");
     }

@@ -27,6 +27,6 @@ pub fn sums<const D: usize>(state: &State<D>) -> Vec<f64> {
     let of_drops = |of: &dyn Fn(&Component<D>) -> f64| state.components.iter().map(of).sum::<f64>();
     let mut sums = vec![state.time, state.kinetic_energy, state.effective_surface_area, volume];
     sums.extend((0..D).map(|a| of_drops(&|d| d.volume * d.centroid[a])));
-    sums.extend(state.solids.iter().flat_map(|s| s.center.iter().copied().collect::<Vec<f64>>()));
+    sums.extend(state.solids.iter().flat_map(|s| s.center_of_mass().iter().copied().collect::<Vec<f64>>()));
     sums
 }

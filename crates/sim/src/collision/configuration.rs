@@ -2,7 +2,7 @@
 
 use super::points::{CollisionPoints, PointOwner, SdfPair, angular_from_node};
 use crate::model::Model;
-use crate::solid::SolidState;
+use crate::solid::{Kinematics, RigidKinematics, SolidState};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -33,11 +33,10 @@ pub struct Configuration<'a, const D: usize> {
     frames: Vec<Frame<D>>,
 }
 
-/// Pose of a rigid solid.
+/// A moved rigid solid; a deformable one has a frame at rest, which no point uses.
 #[derive(Clone, Copy, Debug)]
 struct Frame<const D: usize> {
-    center: Vector<D>,
-    rotation: Matrix<D>,
+    rigid: RigidKinematics<D>,
     /// Left Jacobian of the exponential map: it maps a change of the rotation vector to a rotation at the end.
     left_jacobian: Matrix<3>,
 }
@@ -55,18 +54,15 @@ impl<'a, const D: usize> Configuration<'a, D> {
         time: f64,
     ) -> Self {
         let frame = |(k, now): (usize, &SolidState<D>)| {
-            if now.soft.is_some() {
-                return Frame {
-                    center: Vector::zeros(),
-                    rotation: Matrix::identity(),
-                    left_jacobian: Matrix::identity(),
-                };
+            let mut rigid = now.as_rigid();
+            if let Kinematics::Deformable(_) = now.kinematics {
+                return Frame { rigid, left_jacobian: Matrix::identity() };
             }
             let [velocity, turn] = [velocities[points.first_node[k]], velocities[points.first_node[k] + 1]];
-            let turn = Vector::<3>::from(angular_from_node(&turn)) * time;
-            let rotation = nalgebra::Rotation3::new(turn).into_inner();
-            let rotation = Matrix::<D>::from_fn(|r, c| rotation[(r, c)]) * now.rotation;
-            Frame { center: now.center + velocity * time, rotation, left_jacobian: left_jacobian(&turn) }
+            let angular_velocity = angular_from_node(&turn);
+            rigid.center += velocity * time;
+            rigid.rotate(&angular_velocity, time);
+            Frame { rigid, left_jacobian: left_jacobian(&(Vector::<3>::from(angular_velocity) * time)) }
         };
         let frames = solids.iter().enumerate().map(frame).collect();
         Self { model, solids, points, velocities, time, frames }
@@ -81,13 +77,13 @@ impl<'a, const D: usize> Configuration<'a, D> {
     pub fn position(&self, owner: &PointOwner<D>) -> Vector<D> {
         match *owner {
             PointOwner::Vertex { solid, vertex } => {
-                let from =
-                    self.solids[solid].soft.as_ref().map_or(Vector::zeros(), |s| s.state.positions[vertex]);
+                let from = self.solids[solid]
+                    .as_deformable()
+                    .map_or(Vector::zeros(), |b| b.vertices.positions[vertex]);
                 from + self.velocities[self.points.first_node[solid] + vertex] * self.time
             }
             PointOwner::Rigid { solid, at } => {
-                let frame = &self.frames[solid];
-                frame.center + frame.rotation * (at - self.model.solids[solid].mass_properties.center)
+                self.model.solids[solid].to_current(&self.frames[solid].rigid, &at)
             }
         }
     }
@@ -99,15 +95,12 @@ impl<'a, const D: usize> Configuration<'a, D> {
 
     /// Bounding box of a rigid solid, m.
     pub fn bounds(&self, solid: usize) -> [Vector<D>; 2] {
-        let frame = &self.frames[solid];
-        let now = SolidState { center: frame.center, rotation: frame.rotation, ..self.solids[solid].clone() };
-        self.model.solids[solid].bounds(&now)
+        self.model.solids[solid].rigid_bounds(&self.frames[solid].rigid)
     }
 
     /// Initial position, m, of the material point of a rigid solid that is now at `x`.
     pub fn to_reference(&self, solid: usize, x: &Vector<D>) -> Vector<D> {
-        let frame = &self.frames[solid];
-        self.model.solids[solid].mass_properties.center + frame.rotation.tr_mul(&(x - frame.center))
+        self.model.solids[solid].to_reference(&self.frames[solid].rigid, x)
     }
 
     /// Signed distance of a point from a part of a rigid solid, m.
@@ -121,7 +114,7 @@ impl<'a, const D: usize> Configuration<'a, D> {
         let normal = self
             .part(solid, part)
             .normal(&self.to_reference(solid, x), DIFFERENCE_STEP_CELLS * self.model.grid.dx);
-        self.frames[solid].rotation * if normal.norm_squared() > 0.0 { normal } else { up }
+        self.frames[solid].rigid.rotation * if normal.norm_squared() > 0.0 { normal } else { up }
     }
 
     fn part(&self, solid: usize, part: usize) -> &'a Shape<D> {
@@ -139,7 +132,7 @@ impl<'a, const D: usize> Configuration<'a, D> {
             }
             PointOwner::Rigid { solid, .. } => {
                 let frame = &self.frames[solid];
-                let arm = self.position(owner) - frame.center;
+                let arm = self.position(owner) - frame.rigid.center;
                 let arm = Vector::<3>::from_fn(|a, _| if a < D { arm[a] } else { 0.0 });
                 let turned = -arm.cross_matrix() * frame.left_jacobian;
                 // In 2D the first component of the second node is the rotation about the third axis.

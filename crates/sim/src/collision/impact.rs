@@ -15,7 +15,7 @@ use crate::coupling::impulses::moment;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
 use crate::repairs::Repairs;
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::{Kinematics, Solid, SolidKind, SolidState};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Maximum number of rounds in a step.
@@ -77,11 +77,11 @@ pub fn resolve_impacts<const D: usize>(
     times: StepTimes,
     record: &mut Repairs,
 ) -> f64 {
-    if !model.solids.iter().any(|s| s.motion == Motion::Free && s.restitution > 0.0) {
+    if !model.solids.iter().any(|s| s.kind.is_free_rigid() && s.restitution > 0.0) {
         return 0.0;
     }
-    let inverse_masses = model.solids.iter().zip(&*solids).map(|(s, now)| match s.motion {
-        Motion::Free => (1.0 / s.mass_properties.mass, s.inverse_inertia(now)),
+    let inverse_masses = model.solids.iter().zip(&*solids).map(|(s, now)| match s.kind {
+        SolidKind::Rigid => (1.0 / s.mass_properties.mass, s.inverse_inertia(&now.as_rigid())),
         _ => (0.0, Matrix::zeros()),
     });
     let (inverse_masses, forced) = (inverse_masses.collect(), solids.to_vec());
@@ -122,13 +122,13 @@ impl<const D: usize> ImpactSolver<'_, D> {
 
     /// Contacts within the activation distance of the barrier during the coming step, with at least one free solid.
     fn nearby_contacts(&self, points: &CollisionPoints<D>) -> Vec<RigidContact<D>> {
-        let velocities = points.node_velocities(self.model, self.solids);
+        let velocities = points.node_velocities(self.solids);
         let still = vec![Vector::zeros(); velocities.len()];
         let from = Configuration::new(self.model, self.solids, points, &still, 0.0);
         let to = Configuration::new(self.model, self.solids, points, &velocities, self.times.lookahead);
         let reach = BARRIER_REACH_CELLS * self.model.grid.dx;
         let meetings = CandidatePairs::sdf_pairs_along(Sweep { from: &from, to: &to }, reach);
-        let free = |k: usize| self.model.solids[k].motion == Motion::Free;
+        let free = |k: usize| self.model.solids[k].kind.is_free_rigid();
         let contact = |m: &SdfPair| {
             let owner = &points.owners[m.point() as usize];
             let PointOwner::Rigid { solid, .. } = *owner else { return None };
@@ -161,8 +161,8 @@ impl<const D: usize> ImpactSolver<'_, D> {
 
     /// Relative velocity of the two solids at a contact, m/s.
     fn relative_velocity(&self, solids: &[SolidState<D>], c: &RigidContact<D>) -> Vector<D> {
-        let other = c.pair.1.map_or(Vector::zeros(), |j| solids[j].velocity_at(&c.at));
-        solids[c.pair.0].velocity_at(&c.at) - other
+        let velocity = |solid: usize| solids[solid].as_rigid().velocity_at(&c.at);
+        velocity(c.pair.0) - c.pair.1.map_or(Vector::zeros(), velocity)
     }
 
     /// Approach speed that the forces of this step add, m/s.
@@ -190,8 +190,8 @@ impl<const D: usize> ImpactSolver<'_, D> {
             let impulse = c.normal * c.normal_impulse + c.tangential_impulse;
             for (k, sign) in [(Some(c.pair.0), -1.0), (c.pair.1, 1.0)] {
                 let Some(k) = k.filter(|k| self.inverse_masses[*k].0 == 0.0) else { continue };
-                work += sign * self.solids[k].velocity_at(&c.at).dot(&impulse);
-                driven |= matches!(self.model.solids[k].motion, Motion::Prescribed(_));
+                work += sign * self.solids[k].as_rigid().velocity_at(&c.at).dot(&impulse);
+                driven |= matches!(self.model.solids[k].kind, SolidKind::Prescribed(_));
             }
         }
         if driven || self.energy() <= energy * (1.0 + 1e-12) {
@@ -203,13 +203,13 @@ impl<const D: usize> ImpactSolver<'_, D> {
     }
 
     fn energy(&self) -> f64 {
-        let free = self.model.solids.iter().zip(&*self.solids).filter(|(s, _)| s.motion == Motion::Free);
+        let free = self.model.solids.iter().zip(&*self.solids).filter(|(s, _)| s.kind.is_free_rigid());
         free.map(|(s, now)| s.kinetic_energy(now)).sum()
     }
 
     /// Gauss–Seidel iteration. Returns whether it converged.
     fn gauss_seidel(&mut self, hits: &mut [RigidContact<D>]) -> bool {
-        let of = |c: &RigidContact<D>, i: usize| self.solids[i].velocity_at(&c.at).norm();
+        let of = |c: &RigidContact<D>, i: usize| self.solids[i].as_rigid().velocity_at(&c.at).norm();
         let fastest = |c: &RigidContact<D>| {
             c.pair.1.map_or(c.target_speed, |j| of(c, j).max(c.target_speed)).max(of(c, c.pair.0))
         };
@@ -249,7 +249,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
     /// Change of the separation speed per impulse along a direction, 1/kg.
     fn inverse_effective_mass(&self, c: &RigidContact<D>, along: &Vector<D>) -> f64 {
         let of = |i: usize| {
-            let turning = moment(&(c.at - self.solids[i].center), along);
+            let turning = moment(&(c.at - self.solids[i].center_of_mass()), along);
             self.inverse_masses[i].0 + turning.dot(&(self.inverse_masses[i].1 * turning))
         };
         of(c.pair.0) + c.pair.1.map_or(0.0, of)
@@ -260,7 +260,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
         let sides = [Some((c.pair.0, 1.0)), c.pair.1.map(|j| (j, -1.0))];
         for (i, sign) in sides.into_iter().flatten() {
             let (lightness, turn) = &self.inverse_masses[i];
-            let now = &mut self.solids[i];
+            let Kinematics::Rigid(now) = &mut self.solids[i].kinematics else { continue };
             now.velocity += impulse * (sign * lightness);
             let spun = turn * moment(&(c.at - now.center), impulse) * sign;
             (0..3).for_each(|a| now.angular_velocity[a] += spun[a]);

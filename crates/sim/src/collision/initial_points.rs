@@ -4,7 +4,7 @@ use super::broad_phase::{CandidatePairs, Sweep};
 use super::configuration::Configuration;
 use super::points::{BARRIER_REACH_CELLS, CollisionPoints, PointOwner, ProbeSet};
 use crate::model::{Model, Wall};
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::{RigidKinematics, Solid, SolidKind, SolidState};
 use meniscus_contact::{CollisionMesh, FeaturePairs, Plane};
 use meniscus_elastic::{Assembly, Elastic};
 use meniscus_numerics::Vector;
@@ -49,7 +49,7 @@ impl<const D: usize> CollisionPoints<D> {
     /// exerts no force at the start. The minimum is [`MIN_REACH_FRACTION`] of the barrier's activation distance.
     fn fit_reaches_to_gaps(&mut self, model: &Model<D>) {
         let (reach, still) = (BARRIER_REACH_CELLS * model.grid.dx, vec![Vector::zeros(); self.node_count()]);
-        let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::initial_state).collect();
+        let start = model.initial_solids();
         let places = Configuration::new(model, &start, self, &still, 0.0);
         let at = places.positions();
         let near = CandidatePairs::on(&[Sweep { from: &places, to: &places }], reach).feature_pairs;
@@ -174,7 +174,7 @@ fn weight_pressures<const D: usize>(model: &Model<D>, areas: &[f64]) -> Vec<f64>
     let fastest = model.solids.iter().map(initial_speed).fold(0.0, f64::max);
     let stop = 0.5 * fastest * fastest / (BARRIER_REACH_CELLS * model.grid.dx);
     let pressure = |(solid, area): (&Solid<D>, &f64)| {
-        let is_prescribed = solid.motion.is_prescribed() || *area == 0.0;
+        let is_prescribed = solid.kind.is_prescribed() || *area == 0.0;
         let weight = model.gravity.norm() * (2 * D) as f64;
         if is_prescribed { 0.0 } else { solid.mass_properties.mass * (weight + stop) / area }
     };
@@ -221,8 +221,7 @@ fn gaps<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> (Vec<Gap>
 /// The narrowest initial gap, m, between the surface of a deformable solid and itself or another solid's, with the numbers of both;
 /// `None` if all exceed the barrier's activation distance. A run needs a positive gap, because the barrier is infinite at zero.
 pub fn narrowest_initial_gap<const D: usize>(model: &Model<D>) -> Option<(usize, usize, f64)> {
-    let start: Vec<SolidState<D>> = model.solids.iter().map(Solid::initial_state).collect();
-    gaps(model, &start).0.into_iter().min_by(|a, b| a.2.total_cmp(&b.2))
+    gaps(model, &model.initial_solids()).0.into_iter().min_by(|a, b| a.2.total_cmp(&b.2))
 }
 
 /// The narrowest current gap, m, between a solid and another one, itself or a closed side of the domain (`None`), with their numbers;
@@ -254,12 +253,12 @@ fn domain_sides<const D: usize>(model: &Model<D>) -> Vec<Plane<D>> {
 
 /// Initial speed of a solid, or the maximum speed of its prescribed motion, m/s.
 fn initial_speed<const D: usize>(solid: &Solid<D>) -> f64 {
-    match &solid.motion {
-        Motion::Prescribed(path) => {
+    match &solid.kind {
+        SolidKind::Prescribed(path) => {
             let between = |k: &[(f64, Vector<D>); 2]| (k[1].1 - k[0].1).norm() / (k[1].0 - k[0].0);
             let frames = path.keyframes.array_windows().map(between);
-            let start = solid.initial_state();
-            frames.fold(solid.max_speed(&SolidState { velocity: path.velocity, ..start }), f64::max)
+            let start = RigidKinematics { velocity: path.velocity, ..solid.initial_state().as_rigid() };
+            frames.fold(solid.max_rigid_speed(&start), f64::max)
         }
         _ => solid.initial_velocity.norm(),
     }
@@ -290,7 +289,7 @@ fn probe_sets<const D: usize>(model: &Model<D>) -> BTreeMap<(usize, usize), Prob
 fn prescribed_nodes<const D: usize>(model: &Model<D>) -> Vec<bool> {
     let of = |solid: &Solid<D>| match solid.elastic() {
         Some(elastic) => elastic.anchored().to_vec(),
-        None => vec![solid.motion.is_prescribed(); 2],
+        None => vec![solid.kind.is_prescribed(); 2],
     };
     model.solids.iter().flat_map(of).collect()
 }

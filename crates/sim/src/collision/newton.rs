@@ -21,7 +21,7 @@ use crate::contact_line::friction::DraggedFace;
 use crate::flow::pressure::ProjectionOptions;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{Kinematics, SolidState, SolidView, Solids};
 use meniscus_contact::Barrier;
 use meniscus_elastic::{KEPT_FRACTION, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS};
 use meniscus_numerics::Vector;
@@ -46,7 +46,7 @@ const MAX_FRICTION_UPDATES: usize = 2;
 #[derive(Clone, Copy)]
 pub struct OldSolids<'a, const D: usize> {
     /// The solids, with the velocities before the forces act.
-    pub solids: &'a [SolidState<D>],
+    pub solids: Solids<'a, D>,
     /// These velocities, by node.
     pub velocities: &'a [Vector<D>],
     /// The elastic slips of friction.
@@ -56,6 +56,8 @@ pub struct OldSolids<'a, const D: usize> {
 /// Newton's method for one step.
 pub struct NewtonSolver<'a, const D: usize> {
     potential: Potential<'a, D>,
+    /// The solids before the forces act.
+    solids: Solids<'a, D>,
     /// Velocities of the prescribed nodes.
     prescribed: Vec<Vector<D>>,
     elimination: EliminationOrder<D>,
@@ -78,14 +80,14 @@ pub struct NewtonSolver<'a, const D: usize> {
 impl<'a, const D: usize> NewtonSolver<'a, D> {
     /// Starts the method. `forced` holds the velocities of rigid solids after all forces but pressure and contacts.
     pub fn new(
-        model: &'a Model<D>,
         points: &'a CollisionPoints<D>,
         before: OldSolids<'a, D>,
         forced: &[SolidState<D>],
         loads: &'a [Option<DeformableLoads<D>>],
         times: StepTimes,
     ) -> Self {
-        let OldSolids { solids: before, velocities: old, elastic_slips } = before;
+        let OldSolids { solids, velocities: old, elastic_slips } = before;
+        let (model, before) = (solids.model, solids.states);
         let mut potential = Potential {
             model,
             solids: before,
@@ -111,6 +113,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         potential.settling_time = potential.settling_time();
         let mut newton = Self {
             potential,
+            solids,
             prescribed: prescribed_velocities(model, points, before, times.impulse_time),
             elimination: EliminationOrder { structure: None, positions: node_positions(before) },
             velocities: vec![Vector::zeros(); points.node_count()],
@@ -202,9 +205,9 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     /// Updates the lagged elastic forces and viscosities, and the gradients that they enter, to the current velocities.
     fn update_lagged(&mut self) {
         for (part, first) in self.potential.parts.iter_mut().zip(&self.potential.points.first_node) {
-            if let SolidTerm::Soft(soft) = part {
-                let count = soft.impulses.len();
-                soft.update_lagged(&self.velocities[*first..first + count]);
+            if let SolidTerm::Deformable(body) = part {
+                let count = body.impulses.len();
+                body.update_lagged(&self.velocities[*first..first + count]);
             }
         }
         self.own_gradients = self.potential.own_gradients(&self.velocities);
@@ -212,7 +215,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
 
     /// Ties the dragged faces to the solids, which have the current velocities.
     fn ties(&self, dragged: &mut [DraggedFace], phi: &[f64], open: &FaceField<D>) -> Vec<TiedFace<D>> {
-        let Potential { model, points, solids, .. } = self.potential;
+        let Potential { model, points, .. } = self.potential;
         let weight = model.density * model.grid.cell_volume();
         let mut ties = Vec::new();
         for (dragged_face, f) in dragged.iter_mut().enumerate() {
@@ -222,13 +225,13 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             let mut ends = Vec::new();
             for (drag_index, of) in f.drags.iter_mut().enumerate() {
                 let solid = of.solid as usize;
-                if model.solids[solid].motion.is_prescribed() {
+                if model.solids[solid].kind.is_prescribed() {
                     continue;
                 }
                 let end = TiedSolid {
                     drag_index,
                     drag: of.drag,
-                    node_weights: node_weights(&solids[solid], points.first_node[solid], &x, &axis),
+                    node_weights: node_weights(&self.solids.get(solid), points.first_node[solid], &x, &axis),
                 };
                 of.solid_velocity = end.velocity(&self.velocities);
                 ends.push(end);
@@ -280,7 +283,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
                 let count = elastic.masses().len();
                 now.contact_acceleration =
                     own[..count].iter().sum::<Vector<D>>() / (solid.mass_properties.mass * impulse_time);
-            } else if solid.motion == Motion::Free {
+            } else if solid.kind.is_free_rigid() {
                 now.contact_acceleration = own[0] / (solid.mass_properties.mass * impulse_time);
             }
         }
@@ -409,9 +412,9 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
 
 /// Positions of all nodes, m.
 fn node_positions<const D: usize>(solids: &[SolidState<D>]) -> Vec<Vector<D>> {
-    let of = |solid: &SolidState<D>| match &solid.soft {
-        Some(soft) => soft.state.positions.clone(),
-        None => vec![solid.center; 2],
+    let of = |solid: &SolidState<D>| match &solid.kinematics {
+        Kinematics::Deformable(body) => body.vertices.positions.clone(),
+        Kinematics::Rigid(rigid) => vec![rigid.center; 2],
     };
     solids.iter().flat_map(of).collect()
 }
@@ -423,10 +426,10 @@ fn prescribed_velocities<const D: usize>(
     before: &[SolidState<D>],
     impulse_time: f64,
 ) -> Vec<Vector<D>> {
-    let mut prescribed = points.node_velocities(model, before);
+    let mut prescribed = points.node_velocities(before);
     for (k, solid) in model.solids.iter().enumerate() {
-        let (Some(elastic), Some(soft)) = (solid.elastic(), &before[k].soft) else { continue };
-        for (v, velocity) in elastic.anchored_velocities(soft.state.time, impulse_time) {
+        let Some((elastic, body)) = solid.elastic().zip(before[k].as_deformable()) else { continue };
+        for (v, velocity) in elastic.anchored_velocities(body.vertices.time, impulse_time) {
             prescribed[points.first_node[k] + v] = velocity;
         }
     }
@@ -435,15 +438,15 @@ fn prescribed_velocities<const D: usize>(
 
 /// Velocity along `axis` of the solid's point closest to `x`, as weights of its nodes; `first` is the solid's first node.
 fn node_weights<const D: usize>(
-    solid: &SolidState<D>,
+    solid: &SolidView<'_, D>,
     first: usize,
     x: &Vector<D>,
     axis: &Vector<D>,
 ) -> Vec<(usize, Vector<D>)> {
-    match solid.surface_point(x) {
+    match solid.surface.closest_point(x) {
         Some(grip) => (0..D).map(|k| (first + grip.vertices[k] as usize, axis * grip.weights[k])).collect(),
         None => {
-            let moment = crate::coupling::impulses::moment(&(x - solid.center), axis);
+            let moment = crate::coupling::impulses::moment(&(x - solid.state.center_of_mass()), axis);
             vec![(first, *axis), (first + 1, angular_to_node(&moment.into()))]
         }
     }

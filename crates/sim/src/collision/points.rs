@@ -5,7 +5,7 @@
 //! for a point of a rigid solid.
 
 use crate::model::Model;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{Kinematics, SolidKind, SolidState};
 use meniscus_contact::{CollisionMesh, Plane};
 use meniscus_elastic::Assembly;
 use meniscus_numerics::Vector;
@@ -115,7 +115,7 @@ impl<const D: usize> CollisionPoints<D> {
     /// Whether a point may touch a rigid solid. It may not touch its own solid, nor if both have prescribed motion.
     pub fn may_collide(&self, model: &Model<D>, point: u32, solid: usize) -> bool {
         let owner = &self.owners[point as usize];
-        if owner.solid() == solid || model.solids[solid].motion.is_prescribed() && self.is_prescribed(point) {
+        if owner.solid() == solid || model.solids[solid].kind.is_prescribed() && self.is_prescribed(point) {
             return false;
         }
         match self.probe_sets.get(&(owner.solid(), solid)) {
@@ -134,12 +134,14 @@ impl<const D: usize> CollisionPoints<D> {
     }
 
     /// Current velocities of the nodes.
-    pub fn node_velocities(&self, model: &Model<D>, solids: &[SolidState<D>]) -> Vec<Vector<D>> {
+    pub fn node_velocities(&self, solids: &[SolidState<D>]) -> Vec<Vector<D>> {
         let mut all = Vec::with_capacity(self.node_count());
-        for (_, now) in model.solids.iter().zip(solids) {
-            match &now.soft {
-                Some(soft) => all.extend_from_slice(&soft.state.velocities),
-                None => all.extend([now.velocity, angular_to_node(&now.angular_velocity)]),
+        for now in solids {
+            match &now.kinematics {
+                Kinematics::Deformable(body) => all.extend_from_slice(&body.vertices.velocities),
+                Kinematics::Rigid(rigid) => {
+                    all.extend([rigid.velocity, angular_to_node(&rigid.angular_velocity)]);
+                }
             }
         }
         all
@@ -154,12 +156,16 @@ impl<const D: usize> CollisionPoints<D> {
     ) {
         for (k, (solid, now)) in model.solids.iter().zip(solids).enumerate() {
             let own = &velocities[self.first_node[k]..];
-            if let (Some(soft), Some(elastic)) = (&mut now.soft, solid.elastic()) {
-                let count = soft.state.velocities.len();
-                soft.state.velocities.copy_from_slice(&own[..count]);
-                now.update_center_of_mass(elastic);
-            } else if solid.motion == Motion::Free {
-                (now.velocity, now.angular_velocity) = (own[0], angular_from_node(&own[1]));
+            match (&solid.kind, &mut now.kinematics) {
+                (SolidKind::Deformable(elastic), Kinematics::Deformable(body)) => {
+                    let count = body.vertices.velocities.len();
+                    body.vertices.velocities.copy_from_slice(&own[..count]);
+                    body.update_center_of_mass(elastic);
+                }
+                (SolidKind::Rigid, Kinematics::Rigid(rigid)) => {
+                    (rigid.velocity, rigid.angular_velocity) = (own[0], angular_from_node(&own[1]));
+                }
+                _ => {}
             }
         }
     }

@@ -3,8 +3,8 @@
 use super::tied_face::{TiedFace, TiedSolid};
 use crate::coupling::impulses::CouplingImpulses;
 use crate::model::Model;
-use crate::solid::deformable::FluxRow;
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::surface::distribute_to_vertices;
+use crate::solid::{Solid, SolidState};
 use meniscus_elastic::{AssemblyInverse, Reach};
 use meniscus_numerics::Vector;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,6 +17,9 @@ use crate::contact_line::friction::DraggedFace;
 const MIN_COMPLIANCE_RATIO: f64 = 1e-3;
 /// Number of block widths, doubling from one cell, for which the compliance is measured.
 const BLOCK_WIDTH_COUNT: u32 = 5;
+
+/// A cell, and the degrees of freedom that flow into it with their weights.
+pub type FluxRow = (u32, Vec<(u32, f64)>);
 
 /// Response of all solids.
 #[derive(Debug)]
@@ -54,7 +57,7 @@ impl<const D: usize> SolidResponse<D> {
     ) -> Self {
         let of = |(solid, now): (&Solid<D>, &SolidState<D>)| match solid.elastic() {
             Some(elastic) => elastic.masses().to_vec(),
-            None => vec![solid.mass_properties.mass, solid.inertia(now).trace() / 3.0],
+            None => vec![solid.mass_properties.mass, solid.inertia(&now.as_rigid()).trace() / 3.0],
         };
         let masses: Vec<f64> = model.solids.iter().zip(solids).flat_map(of).collect();
         let nodes = |solid: &Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
@@ -166,17 +169,14 @@ impl<const D: usize> SolidResponse<D> {
         let mut all = vec![Vector::zeros(); self.masses.len()];
         let sums = exchange.by_solid(solids.len());
         for (k, solid) in model.solids.iter().enumerate() {
-            if solid.motion == Motion::Free {
-                let about = sums[k].moment_about(&solids[k].center);
+            if solid.kind.is_free_rigid() {
+                let about = sums[k].moment_about(&solids[k].center_of_mass());
                 all[self.first_node[k]] = sums[k].linear;
                 all[self.first_node[k] + 1] = angular_to_node(&about.into());
             }
         }
         for (solid, grips) in &exchange.point_impulses {
-            crate::solid::deformable::distribute_to_vertices(
-                grips,
-                &mut all[self.first_node[*solid as usize]..],
-            );
+            distribute_to_vertices(grips, &mut all[self.first_node[*solid as usize]..]);
         }
         all
     }

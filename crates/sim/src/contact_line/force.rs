@@ -24,9 +24,8 @@ use super::solid_tension::WettedTensions;
 use crate::coupling::impulses::{ComponentSolid, CouplingImpulses, Impulse, moment};
 use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::InterfaceFace;
-use crate::model::Model;
 use crate::model::resolution::MIN_RESOLVED_RADIUS_CELLS;
-use crate::solid::SolidState;
+use crate::solid::Solids;
 use crate::solid::surface::SurfacePoint;
 use meniscus_numerics::grid::CutCell;
 use meniscus_numerics::{Matrix, Vector, rotation_planes};
@@ -120,10 +119,8 @@ pub struct LineImpulses<const D: usize> {
 
 /// The data from which the contact-line forces are computed.
 pub struct ContactLineForces<'a, const D: usize> {
-    /// The model.
-    pub model: &'a Model<D>,
     /// The solids.
-    pub solids: &'a [SolidState<D>],
+    pub solids: Solids<'a, D>,
     /// Signed distance to the interface in each cell, m.
     pub phi: &'a [f64],
     /// The dual cells with interface or wetted solid.
@@ -202,7 +199,7 @@ impl<const D: usize> ContactLineForces<'_, D> {
         exchange: &mut CouplingImpulses<D>,
     ) -> f64 {
         let skin = self.wetted_tensions.get(&pair).map_or(&[][..], |skin| skin);
-        let shortest_lever = MIN_RESOLVED_RADIUS_CELLS * self.model.grid.dx;
+        let shortest_lever = MIN_RESOLVED_RADIUS_CELLS * self.solids.model.grid.dx;
         let mut rest = *all;
         feet.iter().for_each(|f| rest.add(&Impulse::at(&f.point.point, f.impulse), -1.0));
         skin.iter().for_each(|(grip, force)| rest.add(&Impulse::at(&grip.point, *force), -impulse_time));
@@ -229,8 +226,8 @@ impl<const D: usize> ContactLineForces<'_, D> {
 
     /// Contact-line forces of the dual cells.
     fn lattice_pulls(&self, impulse_time: f64) -> LinePulls<D> {
-        let grid = &self.model.grid;
-        let strength = self.model.surface_tension * impulse_time * grid.dx.powi(D as i32 - 2);
+        let grid = &self.solids.model.grid;
+        let strength = self.solids.model.surface_tension * impulse_time * grid.dx.powi(D as i32 - 2);
         let (mut impulses, mut lengths, mut loads) =
             (CouplingImpulses::new(), BTreeMap::new(), BTreeMap::new());
         let mut pieces = Vec::new();
@@ -244,8 +241,8 @@ impl<const D: usize> ContactLineForces<'_, D> {
             let place = grid.center(grid.lattice().coordinates(cube.corners[0] as usize))
                 + Vector::repeat(0.5 * grid.dx);
             let foot = cube.line_center().map_or(place, |foot| Vector::from_fn(|a, _| foot[a] * grid.dx));
-            let now = &self.solids[cube.solid as usize];
-            let grips = now.surface_patch(&foot, self.model.numerics.line_radius);
+            let surface = self.solids.get(cube.solid as usize).surface;
+            let grips = surface.patch(&foot, self.solids.model.numerics.line_radius);
             let number = pieces.len();
             pieces.push((foot, Vector::from_fn(|a, _| pull[a])));
             cube.distribute(self.label, |component, part| {
@@ -276,8 +273,8 @@ impl<const D: usize> ContactLineForces<'_, D> {
         mut pieces: Vec<(Vector<D>, Vector<D>)>,
         feet: impl Iterator<Item = &'f mut LineLoad<D>>,
     ) {
-        let grid = &self.model.grid;
-        let strength = self.model.surface_tension * impulse_time * grid.dx.powi(D as i32 - 2);
+        let grid = &self.solids.model.grid;
+        let strength = self.solids.model.surface_tension * impulse_time * grid.dx.powi(D as i32 - 2);
         let rim = |c: &&DualCell| c.area > 0.0 && (0..D).any(|a| c.corners[0] == c.corners[1 << a]);
         let corner = |c: &DualCell| grid.center(grid.lattice().coordinates(c.corners[0] as usize));
         pieces.extend(self.dual_cells.iter().filter(rim).map(|c| (corner(c), Vector::zeros())));
@@ -291,8 +288,8 @@ impl<const D: usize> ContactLineForces<'_, D> {
 
     /// Capillary impulse of the free surface on each component.
     fn capillary_impulses(&self, impulse_time: f64) -> Vec<Impulse<D>> {
-        let grid = &self.model.grid;
-        let strength = self.model.surface_tension * impulse_time * grid.face_area() / grid.dx;
+        let grid = &self.solids.model.grid;
+        let strength = self.solids.model.surface_tension * impulse_time * grid.face_area() / grid.dx;
         let mut pushes = vec![Impulse::zero(); self.touches_no_side.len()];
         for f in self.interface_faces {
             let Some(c) = (self.label)(f.cell) else { continue };

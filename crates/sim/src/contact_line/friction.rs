@@ -17,10 +17,10 @@ use crate::coupling::impulses::{ComponentSolid, CouplingImpulses};
 use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
-use crate::solid::SolidState;
+use crate::solid::Solids;
 use crate::state::State;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{CutCells, lattice_points};
+use meniscus_numerics::grid::{CutCells, FaceField, lattice_points};
 use std::collections::BTreeMap;
 
 /// Layers of dual cells around that of the line whose faces are dragged; the line's capillary force acts on the liquid over
@@ -95,12 +95,10 @@ impl DraggedFace {
 /// are provisional and contain only some of the forces; with them drops on soft plates were stirred, and had angles too small by up to 6
 /// degrees (`verify soft-sag`). On a solid that accelerates by `a` the velocities in `solids_before` lag by `a h` behind the step's end.
 pub struct LineFriction<'a, const D: usize> {
-    /// The model.
-    pub model: &'a Model<D>,
     /// The state, with a provisional velocity.
     pub state: &'a State<D>,
     /// The solids before the forces of this step.
-    pub solids_before: &'a [SolidState<D>],
+    pub solids_before: Solids<'a, D>,
     /// The dual cells with interface or wetted solid.
     pub dual_cells: &'a [DualCell],
     /// Cells and faces that the solids cut.
@@ -115,16 +113,17 @@ type FacesByPosition = BTreeMap<(usize, usize), DraggedFace>;
 impl<const D: usize> LineFriction<'_, D> {
     /// Computes the faces that the lines drag, and sets the mobility of the interface faces.
     pub fn dragged_faces(&self, interface_faces: &mut [InterfaceFace]) -> Vec<DraggedFace> {
-        let unit = self.impulse_time / (self.model.density * self.model.grid.dx * self.model.grid.dx);
+        let model = self.solids_before.model;
+        let unit = self.impulse_time / (model.density * model.grid.dx * model.grid.dx);
         let strength = |cube: &DualCell| {
-            let friction = self.model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
+            let friction = model.solids.get(cube.solid as usize).map_or(0.0, |s| s.line_friction);
             if cube.pinned { PINNED_DRAG } else { unit * friction }
         };
         let line_cells: Vec<&DualCell> =
             self.dual_cells.iter().filter(|c| c.line_length() > 0.0 && strength(c) > 0.0).collect();
         let mut faces: FacesByPosition = BTreeMap::new();
         for cube in &line_cells {
-            for (axis, face, sides) in faces_around(self.model, cube) {
+            for (axis, face, sides) in faces_around(model, cube) {
                 let Some(cell) = sides.into_iter().find(|c| self.state.phi.data[*c] < 0.0) else { continue };
                 let inner = sides.iter().all(|c| self.state.phi.data[*c] < 0.0);
                 let volume_cells = if inner { self.cut_cells.open_fraction.axes[axis][face] } else { 0.0 };
@@ -158,9 +157,10 @@ impl<const D: usize> LineFriction<'_, D> {
 
     /// Adds the drag of the line in a dual cell to the faces around it; `strength` is `ζ h / (ρ Δ²)`.
     fn add_drag(&self, cube: &DualCell, strength: f64, faces: &mut FacesByPosition) {
+        let model = self.solids_before.model;
         let (mut mass, mut crossed) = ([0.0; D], [0.0; D]);
         let (mut velocity, mut surface) = (Vector::<D>::zeros(), Vector::<D>::zeros());
-        for (a, face, _) in faces_around(self.model, cube) {
+        for (a, face, _) in faces_around(model, cube) {
             let Some(f) = faces.get(&(a, face)) else { continue };
             let u = self.state.velocity.axes[a][face];
             mass[a] += f.volume_cells;
@@ -172,12 +172,12 @@ impl<const D: usize> LineFriction<'_, D> {
         let over = |a: usize| if crossed[a] > 0.0 { surface[a] / crossed[a] - velocity[a] } else { 0.0 };
         let outward = -Vector::<D>::from_fn(|a, _| cube.wetting_direction[a]) / cube.line_length();
         let rolling = if cube.pinned { 0.0 } else { 0.5 * (0..D).map(|a| outward[a] * over(a)).sum::<f64>() };
-        let now = &self.solids_before[cube.solid as usize];
+        let before = self.solids_before.get(cube.solid as usize);
         let along = cube.line_direction();
-        for (a, face, _) in faces_around(self.model, cube) {
+        for (a, face, _) in faces_around(model, cube) {
             let Some(f) = faces.get_mut(&(a, face)).filter(|f| f.volume_cells > 0.0) else { continue };
-            let x = self.model.grid.face_center(a, self.model.grid.face_lattice(a).coordinates(face));
-            let solid = now.velocity_at(&x);
+            let x = model.grid.face_center(a, model.grid.face_lattice(a).coordinates(face));
+            let solid = before.velocity_at(&x);
             // A pinned line also drags along itself: where it bends, liquid that slides along one part would cross the next.
             let slides = if cube.pinned { 0.0 } else { 1.0 };
             let along: [f64; D] = std::array::from_fn(|b| slides * along[b]);
@@ -215,22 +215,23 @@ fn faces_around<const D: usize>(model: &Model<D>, cube: &DualCell) -> Vec<(usize
 
 /// Impulses of the drag on the solids, at the velocity after the step.
 pub fn line_friction_impulses<const D: usize>(
-    model: &Model<D>,
-    state: &State<D>,
+    solids: Solids<'_, D>,
+    velocity: &FaceField<D>,
     faces: &[DraggedFace],
     label: impl Fn(usize) -> Option<u32>,
 ) -> CouplingImpulses<D> {
+    let model = solids.model;
     let mut exchange = CouplingImpulses::new();
     for f in faces {
         let Some(component) = label(f.cell) else { continue };
         let x = model.grid.face_center(f.axis, model.grid.face_lattice(f.axis).coordinates(f.face));
-        let u = state.velocity.axes[f.axis][f.face];
+        let u = velocity.axes[f.axis][f.face];
         for hold in &f.drags {
             let mut impulse = Vector::<D>::zeros();
             impulse[f.axis] =
                 model.density * model.grid.cell_volume() * f.volume_cells * hold.impulse_on_solid(u);
             let pair = ComponentSolid { component, solid: hold.solid };
-            exchange.add_at(pair, &state.solids[hold.solid as usize], &x, impulse);
+            exchange.add_at(pair, &solids.get(hold.solid as usize), &x, impulse);
         }
     }
     exchange

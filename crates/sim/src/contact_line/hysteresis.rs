@@ -8,6 +8,7 @@
 use super::angle::{Foot, contact_angle};
 use crate::model::Model;
 use crate::simulation::workspace::Workspace;
+use crate::solid::Solids;
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
@@ -20,13 +21,14 @@ pub fn pin_contact_lines<const D: usize>(model: &Model<D>, state: &State<D>, wor
     let dx = model.grid.dx;
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
     work.dual_grid.pin_contact_lines(&state.phi.data, |place: &Vector<D>, number| {
-        let (solid, now) = (&model.solids[number as usize], &state.solids[number as usize]);
-        let normal = solid.normal(now, place, 0.01 * dx);
-        let height =
-            |x: &Vector<D>| model.height_above_solid(&state.solids, number as usize, place, &normal, x);
+        let (solids, number) =
+            (Solids { model, states: &state.solids, surfaces: &work.surfaces }, number as usize);
+        let solid = solids.get(number);
+        let normal = solid.normal(place, 0.01 * dx);
+        let height = |x: &Vector<D>| solids.height_above(number, place, &normal, x);
         let foot = Foot { at: *place, normal, dx, bond_vector: model.cell_bond_vector(), height: &height };
         let angle = contact_angle(&phi, &foot);
-        let young = solid.young_cosine_near(now, place, dx);
+        let young = solid.young_cosine_near(place, dx);
         angle.map_or((young, false), |angle| solid.hysteretic_cosine(young, angle.cos()))
     });
 }

@@ -10,12 +10,11 @@
 use super::sampling::phi_at_solid;
 use crate::coupling::impulses::ComponentSolid;
 use crate::model::Model;
-use crate::solid::SolidState;
-use crate::solid::surface::{SolidSurface, SurfacePoint};
-use crate::state::State;
+use crate::solid::surface::SurfacePoint;
+use crate::solid::{SolidView, Solids};
 use meniscus_elastic::StiffnessBlock;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::Sampler;
+use meniscus_numerics::grid::{CellField, Sampler};
 use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_numerics::mesh::surface::{area_gradients, area_hessian_psd};
 use rayon::prelude::*;
@@ -32,20 +31,18 @@ pub type WettedTensions<const D: usize> = BTreeMap<ComponentSolid, VertexForces<
 
 /// Computes the tension forces of wetted surfaces on deformable solids; `label` is the component of a liquid cell.
 pub fn wetted_tension_forces<const D: usize>(
-    model: &Model<D>,
-    solids: &[SolidState<D>],
+    solids: Solids<'_, D>,
     phi: &Sampler<'_, D>,
     label: &(dyn Fn(usize) -> Option<u32> + Sync),
 ) -> WettedTensions<D> {
     let mut skins = BTreeMap::new();
-    for (number, now) in solids.iter().enumerate() {
-        let Some(soft) = &now.soft else { continue };
-        let under = WettedSolid { model, number, now, phi, label };
-        for (component, forces) in under.forces(&soft.surface.mesh) {
+    for (number, solid) in solids.iter().enumerate() {
+        let (surface, under) = (solid.surface, WettedSolid { model: solids.model, solid, phi, label });
+        for (component, forces) in under.forces() {
             let grip = |v: u32| SurfacePoint {
-                vertices: [soft.surface.volume_vertices()[v as usize]; D],
+                vertices: [surface.volume_vertices()[v as usize]; D],
                 weights: std::array::from_fn(|k| if k == 0 { 1.0 } else { 0.0 }),
-                point: soft.surface.mesh.positions[v as usize],
+                point: surface.mesh.positions[v as usize],
             };
             let pulled = forces.into_iter().map(|(v, force)| (grip(v), force)).collect();
             skins.insert(ComponentSolid { component, solid: number as u32 }, pulled);
@@ -59,25 +56,25 @@ pub fn wetted_tension_forces<const D: usize>(
 /// degrees. Elsewhere the stiffness is negative and left out. The wetted area is that of the forces, after the
 /// liquid has moved.
 pub fn wetted_tension_stiffness<const D: usize>(
-    model: &Model<D>,
-    state: &State<D>,
+    solids: Solids<'_, D>,
+    phi: &CellField<D>,
 ) -> Vec<Vec<StiffnessBlock<D>>> {
-    let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
-    let of = |(number, now): (usize, &SolidState<D>)| {
-        let solid = &model.solids[number];
-        let tenser = model.numerics.contact_line && (solid.young_cosine < 0.0 || !solid.pattern.is_empty());
-        let Some(soft) = now.soft.as_ref().filter(|_| tenser) else { return Vec::new() };
-        let under = WettedSolid { model, number, now, phi: &phi, label: &|_| Some(0) };
-        under.stiffness(&soft.surface)
+    let model = solids.model;
+    let phi = Sampler::cells(&model.grid, &phi.data, model.scalar_boundary());
+    let of = |solid: SolidView<'_, D>| {
+        let may_repel = solid.young_cosine < 0.0 || !solid.pattern.is_empty();
+        match model.numerics.contact_line && may_repel {
+            true => WettedSolid { model, solid, phi: &phi, label: &|_| Some(0) }.stiffness(),
+            false => Vec::new(),
+        }
     };
-    state.solids.iter().enumerate().map(of).collect()
+    solids.iter().map(of).collect()
 }
 
 /// A deformable solid and the liquid on it.
 struct WettedSolid<'a, const D: usize> {
     model: &'a Model<D>,
-    number: usize,
-    now: &'a SolidState<D>,
+    solid: SolidView<'a, D>,
     phi: &'a Sampler<'a, D>,
     label: &'a (dyn Fn(usize) -> Option<u32> + Sync),
 }
@@ -87,7 +84,8 @@ type VertexSample = (f64, Option<u32>, f64);
 
 impl<const D: usize> WettedSolid<'_, D> {
     /// Forces on the vertices of the surface, by component.
-    fn forces(&self, surface: &SurfaceMesh<D>) -> BTreeMap<u32, BTreeMap<u32, Vector<D>>> {
+    fn forces(&self) -> BTreeMap<u32, BTreeMap<u32, Vector<D>>> {
+        let surface = &self.solid.surface.mesh;
         let seen = self.sample_vertices(surface);
         let mut forces: BTreeMap<u32, BTreeMap<u32, Vector<D>>> = BTreeMap::new();
         for (f, facet) in surface.facets.iter().enumerate() {
@@ -103,7 +101,8 @@ impl<const D: usize> WettedSolid<'_, D> {
     }
 
     /// Stiffness of the facets whose tension is positive.
-    fn stiffness(&self, skin: &SolidSurface<D>) -> Vec<StiffnessBlock<D>> {
+    fn stiffness(&self) -> Vec<StiffnessBlock<D>> {
+        let skin = self.solid.surface;
         let seen = self.sample_vertices(&skin.mesh);
         let mut blocks = Vec::new();
         for (f, facet) in skin.mesh.facets.iter().enumerate() {
@@ -137,12 +136,11 @@ impl<const D: usize> WettedSolid<'_, D> {
     fn sample_vertex(&self, x: &Vector<D>, normal: &Vector<D>) -> VertexSample {
         let dx = self.model.grid.dx;
         let Some(normal) = normal.try_normalize(0.0) else { return (dx, None, 0.0) };
-        let solid = &self.model.solids[self.number];
-        let x = &(x + normal * solid.padding);
+        let x = &(x + normal * self.solid.padding);
         let phi = phi_at_solid(self.phi, x, &normal, dx);
         let at = |h: &f64| (self.label)(self.cell(&(x + normal * (h * dx)))?);
         let component = if phi < 0.0 { SAMPLE_HEIGHTS_CELLS.iter().find_map(at) } else { None };
-        let cosine = solid.young_cosine_near(self.now, x, dx).clamp(-1.0, 1.0);
+        let cosine = self.solid.young_cosine_near(x, dx).clamp(-1.0, 1.0);
         (phi, component, -self.model.surface_tension * cosine)
     }
 
@@ -177,9 +175,7 @@ fn negative_fraction<const D: usize>(values: [f64; D]) -> f64 {
 mod tests {
     use super::*;
     use crate::model::resolution::BAND_WIDTH_CELLS;
-    use crate::model::{Numerics, Wall};
-    use crate::solid::deformable::Soft;
-    use crate::solid::{Motion, Solid};
+    use crate::solid::{Kinematics, Solid, SolidKind, SolidSurfaces};
     use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
     use meniscus_numerics::Matrix;
     use meniscus_numerics::grid::Grid;
@@ -190,7 +186,7 @@ mod tests {
     const GAMMA: f64 = 0.7;
 
     /// A triangle that is wetted all around at a contact angle (degrees).
-    fn drowned(angle: f64) -> (Model<2>, State<2>) {
+    fn drowned(angle: f64) -> Model<2> {
         let (center, half_size) = (Vector::repeat(0.5), Vector::repeat(0.2));
         let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
         let positions = [[0.3, 0.35], [0.7, 0.4], [0.45, 0.65]].map(Vector::from).to_vec();
@@ -203,62 +199,60 @@ mod tests {
         let anchors = Vec::new();
         let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
         let elastic = Elastic::new(description).unwrap_or_else(|e| panic!("{e}"));
-        let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), 1.0);
+        let mut solid = Solid::new(shape, SolidKind::Deformable(Arc::new(elastic)), 1.0);
         solid.young_cosine = angle.to_radians().cos();
-        let model = Model {
-            grid: Grid::new([32; 2], 1.0 / 32.0),
-            walls: [[Wall::Slip; 2]; 2],
-            density: 1.0,
-            kinematic_viscosity: 0.0,
-            surface_tension: GAMMA,
-            gravity: Vector::zeros(),
-            solids: vec![solid],
-            numerics: Numerics::default(),
-        };
-        let mut state = State::empty(model.grid);
-        state.phi.data.fill(-BAND_WIDTH_CELLS * model.grid.dx);
-        state.solids = model.solids.iter().map(Solid::initial_state).collect();
-        (model, state)
+        Model { surface_tension: GAMMA, ..Model::of_test(Grid::new([32; 2], 1.0 / 32.0), vec![solid]) }
+    }
+
+    /// φ of a domain full of liquid.
+    fn full(model: &Model<2>) -> CellField<2> {
+        CellField::new(model.grid, -BAND_WIDTH_CELLS * model.grid.dx)
     }
 
     /// The forces on the vertices after coordinate `moved` has changed by `way`, m.
-    fn pulls(model: &Model<2>, state: &State<2>, moved: usize, way: f64) -> [Vector<2>; 3] {
-        let mut solids = state.solids.clone();
-        let (elastic, soft) = (model.solids[0].elastic().unwrap_or_else(|| panic!()), &state.solids[0].soft);
-        let mut body = soft.as_ref().unwrap_or_else(|| panic!()).state.clone();
-        body.positions[moved / 2][moved % 2] += way;
-        solids[0].soft = Some(Soft::from_state(elastic, body));
-        let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
+    fn pulls(model: &Model<2>, moved: usize, way: f64) -> [Vector<2>; 3] {
+        let (mut states, phi) = (model.initial_solids(), full(model));
+        if let Kinematics::Deformable(body) = &mut states[0].kinematics {
+            body.vertices.positions[moved / 2][moved % 2] += way;
+        }
+        let surfaces = &SolidSurfaces::new(&model.solids, &states);
+        let phi = Sampler::cells(&model.grid, &phi.data, model.scalar_boundary());
+        let solids = Solids { model, states: &states, surfaces };
         let mut forces = [Vector::zeros(); 3];
-        for (grip, force) in wetted_tension_forces(model, &solids, &phi, &|_| Some(0)).values().flatten() {
+        for (grip, force) in wetted_tension_forces(solids, &phi, &|_| Some(0)).values().flatten() {
             forces[grip.vertices[0] as usize] += force;
         }
         forces
     }
 
+    fn stiffness(model: &Model<2>) -> Vec<StiffnessBlock<2>> {
+        let states = &model.initial_solids();
+        let solids = Solids { model, states, surfaces: &SolidSurfaces::new(&model.solids, states) };
+        wetted_tension_stiffness(solids, &full(model)).swap_remove(0)
+    }
+
     #[test]
     fn the_stiffness_is_the_slope_of_the_forces() {
-        let (model, state) = drowned(120.0);
-        let mut stiffness = [[Matrix::<2>::zeros(); 3]; 3];
-        for StiffnessBlock { first, second, block } in &wetted_tension_stiffness(&model, &state)[0] {
+        let model = drowned(120.0);
+        let mut blocks = [[Matrix::<2>::zeros(); 3]; 3];
+        for StiffnessBlock { first, second, block } in &stiffness(&model) {
             let [i, j] = [*first as usize, *second as usize];
-            stiffness[i][j] += block;
+            blocks[i][j] += block;
             if i != j {
-                stiffness[j][i] += block.transpose();
+                blocks[j][i] += block.transpose();
             }
         }
         let way = 1e-6;
         for moved in 0..6 {
-            let [more, less] = [way, -way].map(|way| pulls(&model, &state, moved, way));
-            for (i, row) in stiffness.iter().enumerate() {
+            let [more, less] = [way, -way].map(|way| pulls(&model, moved, way));
+            for (i, row) in blocks.iter().enumerate() {
                 let slope = (less[i] - more[i]) / (2.0 * way);
                 let told = row[moved / 2].column(moved % 2);
                 assert!((slope - told).norm() < 1e-7 * GAMMA / 0.4, "{i}, {moved}: {slope} for {told}");
             }
         }
         // Below 90 degrees the stiffness would be negative.
-        let (model, state) = drowned(60.0);
-        assert!(wetted_tension_stiffness(&model, &state)[0].is_empty());
+        assert!(stiffness(&drowned(60.0)).is_empty());
     }
 
     #[test]

@@ -17,8 +17,7 @@ use crate::flow::advection::VelocitySampler;
 use crate::model::Model;
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::simulation::Simulation;
-use crate::solid::SolidState;
-use crate::solid::surface::SolidSurface;
+use crate::solid::{Kinematics, Solids};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::mesh::{Contour, Geodesic, ShapeSurface, SurfaceMesh};
@@ -89,12 +88,11 @@ impl<const D: usize> LineTracker<D> {
     }
 
     /// The current surface of a solid, with the vertices of [`ContactLine::phi_c`].
-    pub fn surface(&self, model: &Model<D>, solids: &[SolidState<D>], solid: usize) -> SurfaceMesh<D> {
-        let (fixed, now) = (&model.solids[solid], &solids[solid]);
-        let Some(tracked) = &self.solids[solid] else {
-            return now.soft.as_ref().map_or_else(SurfaceMesh::default, |soft| soft.surface.mesh.clone());
-        };
-        let positions = tracked.mesh.positions.iter().map(|x| fixed.to_current(now, x)).collect();
+    pub fn surface(&self, solids: Solids<'_, D>, number: usize) -> SurfaceMesh<D> {
+        let solid = solids.get(number);
+        let Some(tracked) = &self.solids[number] else { return solid.surface.mesh.clone() };
+        let rigid = solid.state.as_rigid();
+        let positions = tracked.mesh.positions.iter().map(|x| solid.to_current(&rigid, x)).collect();
         SurfaceMesh { positions, facets: tracked.mesh.facets.clone() }
     }
 
@@ -108,12 +106,10 @@ impl<const D: usize> LineTracker<D> {
         };
         let seen = LineSampler::new(simulation);
         for (number, tracked) in self.solids.iter().enumerate() {
-            let deformed = || {
-                simulation.state.solids[number].soft.as_ref().map(|s| TrackedSurface::deformed(&s.surface))
-            };
             match tracked {
                 Some(tracked) => tracked.extract(&seen, number, &mut line),
-                None => deformed().iter().for_each(|t| t.extract(&seen, number, &mut line)),
+                None => TrackedSurface::deformed(&seen.solids.get(number).surface.mesh)
+                    .extract(&seen, number, &mut line),
             }
         }
         line.line_distance_cells = line.max_distance_cells(
@@ -126,8 +122,7 @@ impl<const D: usize> LineTracker<D> {
 
 /// The state, as the extraction samples it.
 struct LineSampler<'a, const D: usize> {
-    model: &'a Model<D>,
-    solids: &'a [SolidState<D>],
+    solids: Solids<'a, D>,
     phi: Sampler<'a, D>,
     velocity: VelocitySampler<'a, D>,
     dx: f64,
@@ -137,8 +132,7 @@ impl<'a, const D: usize> LineSampler<'a, D> {
     fn new(simulation: &'a Simulation<D>) -> Self {
         let (model, state) = (&simulation.model, &simulation.state);
         Self {
-            model,
-            solids: &state.solids,
+            solids: simulation.solids(),
             phi: Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary()),
             velocity: VelocitySampler::new(model, &state.velocity),
             dx: model.grid.dx,
@@ -147,34 +141,34 @@ impl<'a, const D: usize> LineSampler<'a, D> {
 
     /// Whether a point lies in a solid other than `number`, or outside the domain.
     fn is_covered(&self, number: usize, x: &Vector<D>) -> bool {
-        let mut others = (0..self.solids.len()).filter(|i| *i != number);
-        let [low, high] = self.model.grid.bounds();
+        let mut others = self.solids.iter().enumerate().filter(|(i, _)| *i != number);
+        let [low, high] = self.solids.model.grid.bounds();
         let slack = 1e-9 * high.max();
         (0..D).any(|a| x[a] < low[a] - slack || x[a] > high[a] + slack)
-            || others.any(|i| self.model.solids[i].liquid_distance(&self.solids[i], x) < 0.0)
+            || others.any(|(_, solid)| solid.liquid_distance(x) < 0.0)
     }
 
     /// A point of the line.
     fn point(&self, number: usize, at: Vector<D>, length: f64) -> LinePoint<D> {
-        let (solid, now) = (&self.model.solids[number], &self.solids[number]);
-        let normal = solid.normal(now, &at, 0.01 * self.dx);
+        let solid = self.solids.get(number);
+        let normal = solid.normal(&at, 0.01 * self.dx);
         let foot = at + normal * solid.padding;
         let (_, slope) =
             self.phi.distance_with_gradient(&(foot + normal * (UPPER_SAMPLE_HEIGHT_CELLS * self.dx)));
         let outward = (slope - normal * slope.dot(&normal)).try_normalize(0.0).unwrap_or(Vector::zeros());
-        let height = |x: &Vector<D>| self.model.height_above_solid(self.solids, number, &foot, &normal, x);
+        let height = |x: &Vector<D>| self.solids.height_above(number, &foot, &normal, x);
         let foot = Foot {
             at: foot,
             normal,
             dx: self.dx,
-            bond_vector: self.model.cell_bond_vector(),
+            bond_vector: self.solids.model.cell_bond_vector(),
             height: &height,
         };
         let angle =
             contact_angle(&self.phi, &foot).unwrap_or_else(|| slope.dot(&normal).clamp(-1.0, 1.0).acos());
-        let young = solid.young_cosine_near(now, &at, self.dx).clamp(-1.0, 1.0);
-        let force = (normal * angle.sin() - outward * young) * self.model.surface_tension;
-        let speed = (self.velocity.linear(&foot.at) - now.velocity_at(&at)).dot(&outward);
+        let young = solid.young_cosine_near(&at, self.dx).clamp(-1.0, 1.0);
+        let force = (normal * angle.sin() - outward * young) * self.solids.model.surface_tension;
+        let speed = (self.velocity.linear(&foot.at) - solid.velocity_at(&at)).dot(&outward);
         LinePoint { at, solid: number as u32, angle_degrees: angle.to_degrees(), speed, force, length }
     }
 }
@@ -194,10 +188,8 @@ impl<const D: usize> TrackedSurface<D> {
         Self::new(surface.mesh, own)
     }
 
-    fn deformed(skin: &SolidSurface<D>) -> Self {
-        let mesh = skin.mesh.clone();
-        let own = mesh.facets.len();
-        Self::new(mesh, own)
+    fn deformed(mesh: &SurfaceMesh<D>) -> Self {
+        Self::new(mesh.clone(), mesh.facets.len())
     }
 
     fn new(mesh: SurfaceMesh<D>, own_facets: usize) -> Self {
@@ -213,10 +205,14 @@ impl<const D: usize> TrackedSurface<D> {
 
     /// Appends the line on this solid.
     fn extract(&self, seen: &LineSampler<'_, D>, number: usize, line: &mut ContactLine<D>) {
-        let (solid, now) = (&seen.model.solids[number], &seen.solids[number]);
-        let moved = |x: &Vector<D>| if now.soft.is_some() { *x } else { solid.to_current(now, x) };
+        let solid = seen.solids.get(number);
+        let rigid = match &solid.state.kinematics {
+            Kinematics::Rigid(rigid) => Some(rigid),
+            Kinematics::Deformable(_) => None,
+        };
+        let moved = |x: &Vector<D>| rigid.map_or(*x, |rigid| solid.to_current(rigid, x));
         let value = |(x, n): (&Vector<D>, &Vector<D>)| {
-            let normal = if now.soft.is_some() { *n } else { now.rotation * n };
+            let normal = rigid.map_or(*n, |rigid| rigid.rotation * n);
             let x = moved(x) + normal * solid.padding;
             let value = phi_at_solid(&seen.phi, &x, &normal, seen.dx);
             let open = *n != Vector::<D>::zeros()

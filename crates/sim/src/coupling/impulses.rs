@@ -1,6 +1,6 @@
 //! Impulses between liquid and solids.
 
-use crate::solid::SolidState;
+use crate::solid::SolidView;
 use crate::solid::surface::SurfacePoint;
 use meniscus_numerics::{Vector, rotation_planes};
 use std::collections::BTreeMap;
@@ -80,8 +80,14 @@ impl<const D: usize> CouplingImpulses<D> {
     }
 
     /// Adds an impulse at a point of a rigid solid, or at the closest surface point of a deformable one.
-    pub fn add_at(&mut self, pair: ComponentSolid, solid: &SolidState<D>, x: &Vector<D>, linear: Vector<D>) {
-        match solid.surface_point(x) {
+    pub fn add_at(
+        &mut self,
+        pair: ComponentSolid,
+        solid: &SolidView<'_, D>,
+        x: &Vector<D>,
+        linear: Vector<D>,
+    ) {
+        match solid.surface.closest_point(x) {
             Some(grip) => self.add_at_surface_point(pair, &grip, linear),
             None => self.add(pair, &Impulse::at(x, linear), 1.0),
         }

@@ -13,11 +13,10 @@
 
 use super::impulses::{ComponentSolid, CouplingImpulses, Impulse};
 use crate::collision::points::angular_to_node;
-use crate::collision::solid_response::SolidResponse;
+use crate::collision::solid_response::{FluxRow, SolidResponse};
 use crate::model::Model;
-use crate::solid::deformable::FluxRow;
 use crate::solid::surface::SurfacePoint;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{Kinematics, SolidKind, SolidState, Solids};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CutCell, CutCells};
 use meniscus_numerics::linalg::{CoupledBodies, InPlaceSolve, SparseColumn};
@@ -38,14 +37,14 @@ pub type WettedSurface<const D: usize> = (CutCell<D>, Option<SurfacePoint<D>>);
 
 /// Solid surfaces in liquid cells (`phi` negative).
 pub fn wetted_surfaces<const D: usize>(
-    model: &Model<D>,
+    solids: Solids<'_, D>,
     cut_cells: &CutCells<D>,
-    solids: &[SolidState<D>],
     phi: &[f64],
 ) -> Vec<WettedSurface<D>> {
     let wet = cut_cells.cells.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
     let gripped = |w: &CutCell<D>| {
-        (*w, solids[w.solid as usize].surface_point(&(surface_centroid_cells(model, w) * model.grid.dx)))
+        let centroid = surface_centroid_cells(solids.model, w) * solids.model.grid.dx;
+        (*w, solids.get(w.solid as usize).surface.closest_point(&centroid))
     };
     wet.map(gripped).collect()
 }
@@ -64,14 +63,15 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
     /// Calls `f(cell, flux)` with the flux into each surface, `∫ v·n dS` in areas of a face, m/s.
     pub fn for_each_flux(&self, mut f: impl FnMut(usize, f64)) {
         for (w, grip) in self.wetted_surfaces {
-            let solid = &self.solids[w.solid as usize];
-            let flux = match (grip, &solid.soft) {
-                (Some(grip), Some(soft)) => {
-                    grip.interpolate(|k| soft.state.velocities[k]).dot(&w.area_vector)
+            let state = &self.solids[w.solid as usize];
+            let flux = match (&state.kinematics, grip) {
+                (Kinematics::Deformable(body), Some(grip)) => {
+                    grip.interpolate(|k| body.vertices.velocities[k]).dot(&w.area_vector)
                 }
                 _ => {
-                    solid.velocity.dot(&w.area_vector)
-                        + Vector::<3>::from(solid.angular_velocity).dot(&self.area_moment(w))
+                    let rigid = state.as_rigid();
+                    rigid.velocity.dot(&w.area_vector)
+                        + Vector::<3>::from(rigid.angular_velocity).dot(&self.area_moment(w))
                 }
             };
             f(w.cell as usize, flux);
@@ -117,7 +117,7 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
                     (first + grip.vertices[k] * D as u32 + a as u32, grip.weights[k] * w.area_vector[a])
                 };
                 flows.push((w.cell, (0..D * D).map(entry).collect()));
-            } else if self.model.solids[solid].motion == Motion::Free {
+            } else if self.model.solids[solid].kind.is_free_rigid() {
                 let turn: Vector<D> = angular_to_node(&self.area_moment(w).into());
                 let entry = |n: usize| (first + n as u32, if n < D { w.area_vector[n] } else { turn[n - D] });
                 flows.push((w.cell, (0..2 * D).map(entry).collect()));
@@ -196,7 +196,7 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
 
     /// `∫ r × n dS` about the solid's centre, in areas of a face times m.
     fn area_moment(&self, w: &CutCell<D>) -> Vector<3> {
-        let center = &self.solids[w.solid as usize].center;
+        let center = &self.solids[w.solid as usize].center_of_mass();
         Vector::<3>::from(w.moment) * self.model.grid.dx - to_3d(center).cross(&to_3d(&w.area_vector))
     }
 }
@@ -235,11 +235,11 @@ pub fn apply_impulses_to_rigid<const D: usize>(
 ) {
     let sums = exchange.by_solid(solids.len());
     for ((now, solid), sum) in solids.iter_mut().zip(&model.solids).zip(sums) {
-        if solid.motion == Motion::Free {
-            now.velocity += sum.linear / solid.mass_properties.mass;
-            let spin = Vector::<3>::from(now.angular_velocity)
-                + solid.inverse_inertia(now) * sum.moment_about(&now.center);
-            now.angular_velocity = spin.into();
+        if let (SolidKind::Rigid, Kinematics::Rigid(rigid)) = (&solid.kind, &mut now.kinematics) {
+            rigid.velocity += sum.linear / solid.mass_properties.mass;
+            let spin = Vector::<3>::from(rigid.angular_velocity)
+                + solid.inverse_inertia(rigid) * sum.moment_about(&rigid.center);
+            rigid.angular_velocity = spin.into();
         }
     }
 }
@@ -255,7 +255,6 @@ mod tests {
     use crate::free_surface::interface_faces::interface_faces;
     use crate::model::resolution::BAND_WIDTH_CELLS;
     use crate::model::time_step::StepTimes;
-    use crate::model::{Numerics, Wall};
     use crate::simulation::workspace::Workspace;
     use crate::solid::Solid;
     use crate::state::State;
@@ -279,19 +278,11 @@ mod tests {
         height: f64,
         velocity: Vector<D>,
     ) -> Projected<D> {
-        let model = Model {
-            grid: Grid::new([cells; D], 1.0 / cells as f64),
-            walls: [[Wall::Slip; 2]; D],
-            density: 1.0,
-            kinematic_viscosity: 0.0,
-            surface_tension: 0.0,
-            gravity: Vector::zeros(),
-            solids,
-            numerics: Numerics { tolerance: 1e-10, ..Numerics::default() },
-        };
+        let mut model = Model::of_test(Grid::new([cells; D], 1.0 / cells as f64), solids);
+        (model.surface_tension, model.numerics.tolerance) = (0.0, 1e-10);
         let grid = model.grid;
         let mut state = State::empty(grid);
-        state.solids = model.solids.iter().map(Solid::initial_state).collect();
+        state.solids = model.initial_solids();
         let limit = BAND_WIDTH_CELLS * grid.dx;
         for i in 0..grid.lattice().len() {
             let x = grid.center(grid.lattice().coordinates(i));
@@ -319,7 +310,9 @@ mod tests {
         let mut start = state.velocity.clone();
         walk(Box::new(|a, face| start.axes[a][face] = velocity[a]));
         state.velocity = start;
-        let wet = wetted_surfaces(&model, &work.cut_cells, &state.solids, &state.phi.data);
+        let surfaces = work.surfaces.clone();
+        let solids = Solids { model: &model, states: &state.solids, surfaces: &surfaces };
+        let wet = wetted_surfaces(solids, &work.cut_cells, &state.phi.data);
         let mut projection = Projection {
             velocity: &mut state.velocity,
             pressure_impulse: &mut state.pressure_impulse,
@@ -336,7 +329,7 @@ mod tests {
             label: &|_| Some(0),
             impulse_time: 1.0,
         };
-        let response = response(&model, &state.solids, &work.collision_points);
+        let response = response(solids, &work.collision_points);
         let found = work
             .pressure
             .project(
@@ -357,21 +350,21 @@ mod tests {
 
     /// Response of free solids without other forces.
     fn response<const D: usize>(
-        model: &Model<D>,
-        solids: &[SolidState<D>],
+        solids: Solids<'_, D>,
         points: &CollisionPoints<D>,
     ) -> Option<SolidResponse<D>> {
         let times =
             StepTimes { dt: 1.0, impulse_time: 1.0, velocity_lead: 1e-9, lookahead: 1e-9, is_first: false };
-        let starts: Vec<Option<DeformableLoads<D>>> = model.solids.iter().map(|_| None).collect();
+        let starts: Vec<Option<DeformableLoads<D>>> = solids.iter().map(|_| None).collect();
         let slips = crate::Slips::new();
-        let velocities = &points.node_velocities(model, solids);
+        let velocities = &points.node_velocities(solids.states);
         let from = crate::collision::newton::OldSolids { solids, velocities, elastic_slips: &slips };
-        let mut descent = NewtonSolver::new(model, points, from, solids, &starts, times);
-        let open = FaceField::zeros(model.grid);
-        model
+        let mut descent = NewtonSolver::new(points, from, solids.states, &starts, times);
+        let open = FaceField::zeros(solids.model.grid);
+        solids
+            .model
             .has_dynamic_solids()
-            .then(|| descent.linearise(&mut solids.to_vec(), &mut [], &[], &open).unwrap())
+            .then(|| descent.linearise(&mut solids.states.to_vec(), &mut [], &[], &open).unwrap())
     }
 
     fn ball<const D: usize>(radius: f64) -> Shape<D> {
@@ -386,7 +379,8 @@ mod tests {
         // A submerged ball, and an inclined bottom.
         let slope = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.3 });
         let bottom = Shape::HalfSpace { point: Vector::from_fn(|_, _| 0.11), normal: slope };
-        let solids = vec![Solid::new(ball(0.22), Motion::Fixed, 1.0), Solid::new(bottom, Motion::Fixed, 1.0)];
+        let solids =
+            vec![Solid::new(ball(0.22), SolidKind::Fixed, 1.0), Solid::new(bottom, SolidKind::Fixed, 1.0)];
         let fall = Vector::from_fn(|a, _| if a + 1 == D { -1.0 } else { 0.0 });
         let p = project::<D>(if D == 2 { 64 } else { 40 }, solids, 0.873, fall);
         // The velocity error is the solver's tolerance, 1e-10. The cut cells' volume is second-order accurate.
@@ -396,7 +390,7 @@ mod tests {
         assert!((lift[D - 1] / volume - 1.0).abs() < bar, "{D}D: {}", lift[D - 1] / volume);
         // Sliver cells without a neighbour above or below have no pressure gradient.
         assert!((0..D - 1).all(|a| lift[a].abs() < 1e-6 * volume), "{D}D: {lift}");
-        let turning = p.impulses[0].moment_about(&p.state.solids[0].center);
+        let turning = p.impulses[0].moment_about(&p.state.solids[0].center_of_mass());
         assert!(turning.norm() < 1e-4 * volume * 0.22, "{D}D: {:e}", turning.norm() / volume / 0.22);
     }
 
@@ -414,10 +408,11 @@ mod tests {
             rotation: Matrix::identity(),
         };
         let shell = Shape::Difference { of: Box::new(all), minus: Box::new(ball(0.45)) };
-        let mut inner = Solid::new(ball(0.2), Motion::Free, density);
+        let mut inner = Solid::new(ball(0.2), SolidKind::Rigid, density);
         inner.initial_velocity[0] = 1.0;
-        let p = project::<D>(cells, vec![inner, Solid::new(shell, Motion::Fixed, 1.0)], 9.0, Vector::zeros());
-        (p.state.solids[0].velocity[0], p.solves.iter().map(|s| s.iterations).sum())
+        let p =
+            project::<D>(cells, vec![inner, Solid::new(shell, SolidKind::Fixed, 1.0)], 9.0, Vector::zeros());
+        (p.state.solids[0].velocity()[0], p.solves.iter().map(|s| s.iterations).sum())
     }
 
     fn added_mass_is_right<const D: usize>(cells: usize, bar: f64) {

@@ -18,7 +18,7 @@ use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
 use crate::model::time_step::{PhaseEnd, StepTimes};
 use crate::simulation::workspace::Workspace;
-use crate::solid::SolidState;
+use crate::solid::{SolidState, Solids};
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Runs, Sampler, Segment};
@@ -86,13 +86,13 @@ fn apply_contact_line_forces<const D: usize>(
     let label = work.liquid.component_lookup(&model.grid);
     let near = band_component(&work.band, &change.band_labels);
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
-    let (solids, dual_cells) = (&state.solids, &change.dual_cells);
+    let solids = Solids { model, states: &state.solids, surfaces: &work.surfaces };
+    let dual_cells = &change.dual_cells;
     let LineImpulses { on_solids: line, on_liquid: along, moment_lost } = if model.numerics.contact_line {
-        let tensions = &wetted_tension_forces(model, solids, &phi, &label);
+        let tensions = &wetted_tension_forces(solids, &phi, &label);
         let (phi, wet, centers) = (&state.phi.data, &work.cut_cells.cells, &change.centers);
         let (label, touches_no_side) = (&near, &touches_no_side);
         ContactLineForces {
-            model,
             solids,
             phi,
             dual_cells,
@@ -141,7 +141,8 @@ fn solve_with_prescribed_solids<const D: usize>(
     phase_end: PhaseEnd<'_>,
 ) -> Result<SolidImpulses<D>, SolveError> {
     let label = work.liquid.component_lookup(&model.grid);
-    let wet = wetted_surfaces(model, &work.cut_cells, &state.solids, &state.phi.data);
+    let solids = Solids { model, states: step.solids_before, surfaces: &work.surfaces };
+    let wet = wetted_surfaces(solids, &work.cut_cells, &state.phi.data);
     let domain = ProjectionDomain {
         band: &work.band,
         liquid: &work.liquid,
@@ -154,7 +155,7 @@ fn solve_with_prescribed_solids<const D: usize>(
     let pass = ProjectionOptions { warm_start: false, tolerance: model.numerics.tolerance };
     let ProjectionResult { solves, pressure_impulses, .. } =
         work.pressure.project(model, &mut projection, None, pass, phase_end)?;
-    let friction = line_friction_impulses(model, state, step.dragged_faces, &label);
+    let friction = line_friction_impulses(solids, &state.velocity, step.dragged_faces, &label);
     Ok(SolidImpulses {
         solves,
         impulses: [pressure_impulses, friction],
@@ -173,17 +174,17 @@ fn solve_with_dynamic_solids<const D: usize>(
     phase_end: PhaseEnd<'_>,
 ) -> Result<SolidImpulses<D>, SolveError> {
     let (before, times) = (step.solids_before, step.times);
-    let loads =
-        DeformableLoads::of_solids(model, line, wetted_tension_stiffness(model, state), times.impulse_time);
+    let solids = Solids { model, states: before, surfaces: &work.surfaces };
+    let stiffness = wetted_tension_stiffness(solids, &state.phi);
+    let loads = DeformableLoads::of_solids(model, line, stiffness, times.impulse_time);
     apply_impulses_to_rigid(model, &mut state.solids, line);
     let (points, start) = (work.collision_points.clone(), state.velocity.clone());
     let impact_work = resolve_impacts(model, &points, &mut state.solids, before, times, &mut work.repairs);
     let slips = std::mem::take(&mut state.elastic_slips);
-    let old = points.node_velocities(model, before);
-    let from = OldSolids { solids: before, velocities: &old, elastic_slips: &slips };
-    let mut newton = NewtonSolver::new(model, &points, from, &state.solids, &loads, times);
+    let from = OldSolids { solids, velocities: &points.node_velocities(before), elastic_slips: &slips };
+    let mut newton = NewtonSolver::new(&points, from, &state.solids, &loads, times);
     let label = work.liquid.component_lookup(&model.grid);
-    let wet = wetted_surfaces(model, &work.cut_cells, &state.solids, &state.phi.data);
+    let wet = wetted_surfaces(solids, &work.cut_cells, &state.phi.data);
     let mut iteration = 0;
     loop {
         iteration += 1;
@@ -206,7 +207,7 @@ fn solve_with_dynamic_solids<const D: usize>(
         let ProjectionResult { solves, pressure_impulses: pressure, node_velocity_change } = work
             .pressure
             .project(model, &mut projection, Some(&response), newton.projection_options(), phase_end)?;
-        let friction = line_friction_impulses(model, state, step.dragged_faces, &label);
+        let friction = line_friction_impulses(solids, &state.velocity, step.dragged_faces, &label);
         let mut node_impulses = pressure.clone();
         node_impulses.extend(&friction);
         let node_impulses = response.node_impulses(model, before, &node_impulses);
@@ -284,10 +285,10 @@ pub fn prescribed_solid_work<const D: usize>(
 ) -> f64 {
     let mut work = 0.0;
     for (pair, impulse) in given.iter().flat_map(|g| &g.pairs) {
-        let now = &state.solids[pair.solid as usize];
-        if model.solids[pair.solid as usize].motion.is_prescribed() {
-            let turning = impulse.moment_about(&now.center).dot(&Vector::<3>::from(now.angular_velocity));
-            work -= impulse.linear.dot(&now.velocity) + turning;
+        if model.solids[pair.solid as usize].kind.is_prescribed() {
+            let rigid = state.solids[pair.solid as usize].as_rigid();
+            let turning = impulse.moment_about(&rigid.center).dot(&Vector::<3>::from(rigid.angular_velocity));
+            work -= impulse.linear.dot(&rigid.velocity) + turning;
         }
     }
     work

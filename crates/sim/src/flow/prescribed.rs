@@ -6,6 +6,7 @@ use crate::simulation::diagnostics::update_diagnostics;
 use crate::simulation::transport::{move_interface, restore_signed_distance};
 use crate::simulation::workspace::Workspace;
 use crate::simulation::{LiquidRegion, Simulation};
+use crate::solid::Solids;
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
@@ -40,8 +41,9 @@ impl<const D: usize> PrescribedFlow<D> {
                 *u = flow(&model.grid.face_center(a, faces.coordinates(i)))[a];
             }
         }
-        let solids = state.solids.clone();
-        let before = move_interface(model, state, work, &solids, dt);
+        let (solids, surfaces) = (state.solids.clone(), work.surfaces.clone());
+        let at_rest = Solids { model, states: &solids, surfaces: &surfaces };
+        let before = move_interface(state, work, at_rest, dt);
         restore_signed_distance(model, state, work);
         let faces: [Vec<Segment>; D] = std::array::from_fn(|a| work.liquid.faces(&model.grid, a));
         work.known_faces.clear_marks();

@@ -14,7 +14,7 @@ use crate::coupling::pressure::{PressureCoupling, WettedSurface, wetted_surfaces
 use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
 use crate::model::time_step::PhaseEnd;
-use crate::solid::SolidState;
+use crate::solid::{SolidState, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Segment};
 use meniscus_numerics::linalg::{
@@ -402,14 +402,15 @@ fn apply_pressure_gradient<const D: usize>(
 
 /// Largest divergence in a liquid cell, 1/s, with the fluxes through open faces and into moving solids.
 pub fn divergence_max<const D: usize>(
-    model: &Model<D>,
+    solids: Solids<'_, D>,
     state: &State<D>,
     liquid: &Runs,
     cut_cells: &CutCells<D>,
 ) -> f64 {
+    let model = solids.model;
     let lattice = model.grid.lattice();
     let mut fluxes = BTreeMap::new();
-    let wet = wetted_surfaces(model, cut_cells, &state.solids, &state.phi.data);
+    let wet = wetted_surfaces(solids, cut_cells, &state.phi.data);
     PressureCoupling::new(model, &wet, &state.solids, None).for_each_flux(|cell, flux| {
         fluxes.insert(cell, flux);
     });

@@ -18,7 +18,7 @@ use crate::flow::advection::VelocitySampler;
 use crate::model::Model;
 use crate::model::resolution::{BAND_WIDTH_CELLS, GRADIENT_NORM_TOLERANCE};
 use crate::model::time_step::MAX_DT_GROWTH;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{SolidKind, SolidSurfaces, Solids};
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Sampler, lattice_points};
@@ -72,14 +72,14 @@ pub struct GhostCell<const D: usize> {
 
 /// Finds the cells of the band within solids.
 pub fn ghost_cells<const D: usize>(
-    model: &Model<D>,
+    solids: Solids<'_, D>,
     state: &State<D>,
     band: &Band<D>,
     cut: &CutCells<D>,
 ) -> Vec<GhostCell<D>> {
+    let model = solids.model;
     let surface = InterfaceSampler {
-        model,
-        solids: &state.solids,
+        solids,
         phi: Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary()),
         velocity: VelocitySampler::new(model, &state.velocity),
         max_next_dt: state.last_dt * MAX_DT_GROWTH,
@@ -101,8 +101,7 @@ pub fn ghost_cells<const D: usize>(
 
 /// The free surface, the solids and their motion.
 struct InterfaceSampler<'a, const D: usize> {
-    model: &'a Model<D>,
-    solids: &'a [SolidState<D>],
+    solids: Solids<'a, D>,
     phi: Sampler<'a, D>,
     velocity: VelocitySampler<'a, D>,
     /// Bound of the next step's length, s.
@@ -123,10 +122,9 @@ impl<const D: usize> InterfaceSampler<'_, D> {
     /// The continuation through a point at a depth (m): that of the nearest side or, in closed cells of thin solids, of the
     /// opposite side.
     fn ghost_cell(&self, slot: u32, x: &Vector<D>, depth: f64, is_closed: bool) -> Option<GhostCell<D>> {
-        let dx = self.model.grid.dx;
-        let solid = self.model.nearest_solid(self.solids, x)?;
-        let now = &self.solids[solid];
-        let [normal, velocity] = self.model.solids[solid].normal_and_velocity(now, x, 0.01 * dx);
+        let dx = self.solids.model.grid.dx;
+        let solid = self.solids.nearest(x)?;
+        let [normal, velocity] = self.solids.get(solid).normal_and_velocity(x, 0.01 * dx);
         // Half-way between two sides of a solid there is no normal.
         let normal = normal.try_normalize(0.5)?;
         let near = SolidSide { solid, normal, depth };
@@ -156,12 +154,11 @@ impl<const D: usize> InterfaceSampler<'_, D> {
 
     /// The opposite side of a thin solid; `None` if the solid is thick.
     fn opposite_side(&self, x: &Vector<D>, near: &SolidSide<D>) -> Option<SolidSide<D>> {
-        let dx = self.model.grid.dx;
-        let (solid, now) = (&self.model.solids[near.solid], &self.solids[near.solid]);
+        let dx = self.solids.model.grid.dx;
+        let solid = self.solids.get(near.solid);
         let beyond = x - near.normal * (MAX_OPPOSITE_DEPTH_CELLS * dx);
-        let height = solid.liquid_distance(now, &beyond);
-        let normal =
-            if height > 0.0 { solid.normal(now, &beyond, 0.01 * dx).try_normalize(0.5) } else { None }?;
+        let height = solid.liquid_distance(&beyond);
+        let normal = if height > 0.0 { solid.normal(&beyond, 0.01 * dx).try_normalize(0.5) } else { None }?;
         (normal.dot(&near.normal) < 0.0).then_some(SolidSide {
             depth: MAX_OPPOSITE_DEPTH_CELLS * dx - height,
             normal,
@@ -173,7 +170,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
     /// ([`GRADIENT_NORM_TOLERANCE`]), as beside a film without a line. The gradient is a difference over two cells: at a point of
     /// a film it changes sign with ripples of a hundredth of a cell.
     fn tangential_gradient(&self, x: &Vector<D>, normal: &Vector<D>) -> Vector<D> {
-        let dx = self.model.grid.dx;
+        let dx = self.solids.model.grid.dx;
         let slope: Vector<D> = Vector::from_fn(|a, _| {
             let step: Vector<D> = Vector::from_fn(|b, _| if a == b { dx } else { 0.0 });
             (self.phi.linear(&(x + step)) - self.phi.linear(&(x - step))) / (2.0 * dx)
@@ -184,8 +181,8 @@ impl<const D: usize> InterfaceSampler<'_, D> {
 
     /// Exit point of the continuation through a point under a side, and the `phi_scale` within.
     fn exit_point(&self, x: &Vector<D>, side: &SolidSide<D>) -> (Vector<D>, f64) {
-        let (dx, normal, depth) = (self.model.grid.dx, side.normal, side.depth);
-        let (solid, now) = (&self.model.solids[side.solid], &self.solids[side.solid]);
+        let (dx, normal, depth) = (self.solids.model.grid.dx, side.normal, side.depth);
+        let solid = self.solids.get(side.solid);
         let way = depth + SAMPLE_HEIGHT_CELLS * dx;
         let slope = self.phi.distance_with_gradient(&(x + normal * way)).1;
         let along = self.tangential_gradient(&(x + normal * way), &normal);
@@ -194,11 +191,11 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         let steepest = MIN_CONTINUATION_SINE.asin();
         let bound = |angle: f64| angle.clamp(steepest, PI - steepest);
         let (mut cosine, rests) =
-            solid.hysteretic_cosine(solid.young_cosine_near(now, x, dx), angle(&slope).cos());
+            solid.hysteretic_cosine(solid.young_cosine_near(x, dx), angle(&slope).cos());
         if solid.line_friction > 0.0 && !rests {
             let at = outside(bound(cosine.clamp(-1.0, 1.0).acos()));
-            let speed = (self.velocity.linear(&at) - now.velocity_at(&at)).dot(&along);
-            cosine -= solid.line_friction * speed / self.model.surface_tension;
+            let speed = (self.velocity.linear(&at) - solid.velocity_at(&at)).dot(&along);
+            cosine -= solid.line_friction * speed / self.solids.model.surface_tension;
         }
         let foot = bound(cosine.clamp(-1.0, 1.0).acos());
         let above = bound(angle(&self.phi.distance_with_gradient(&outside(foot)).1));
@@ -217,15 +214,18 @@ pub struct ExtensionResult {
     pub overwritten_phi: Vec<(u32, f64)>,
 }
 
-/// Relaxes φ in the band's cells within solids to the surface's continuation; `before` are the solids before they moved.
+/// Relaxes φ in the band's cells within solids to the surface's continuation; `before` are the solids before they moved, `surfaces` those of
+/// the solids now.
 pub fn extend_into_solids<const D: usize>(
-    model: &Model<D>,
     state: &mut State<D>,
     band: &Band<D>,
     cut: &CutCells<D>,
-    before: &[SolidState<D>],
+    before: Solids<'_, D>,
+    surfaces: &SolidSurfaces<D>,
 ) -> ExtensionResult {
-    let ghosts = ghost_cells(model, state, band, cut);
+    let model = before.model;
+    let now = Solids { model, states: &state.solids, surfaces };
+    let ghosts = ghost_cells(now, state, band, cut);
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
     let seen = |g: &GhostCell<D>| sampler.distance_with_gradient(&g.exit_point).0;
     let all: Vec<f64> = ghosts.par_iter().with_min_len(64).map(seen).collect();
@@ -239,7 +239,7 @@ pub fn extend_into_solids<const D: usize>(
                 || seen > high
                 || ((ghost.is_closed || ghost.is_exposed) && seen < -high)
                 || (ghost.thin && is_isolated(model, &state.phi.data, cut, cell))
-                || has_moved_away(model, [before, &state.solids], cell));
+                || has_moved_away([before, now], cell));
         let value = value + if stale { seen - value } else { RELAXATION * (ghost.phi_scale * seen - value) };
         state.phi.data[cell] = value;
         if let Some(normal) = ghost.nearest_normal {
@@ -248,7 +248,7 @@ pub fn extend_into_solids<const D: usize>(
         }
     }
     let non_distance_cells = separate_sides(model, &mut state.phi.data, cut, across);
-    let moving = model.solids.iter().any(|s| s.motion != Motion::Fixed);
+    let moving = model.solids.iter().any(|s| !matches!(s.kind, SolidKind::Fixed));
     ExtensionResult {
         non_distance_cells,
         overwritten_phi: if moving { extend_signs_beyond_band(model, state, band, cut) } else { Vec::new() },
@@ -325,13 +325,14 @@ fn raise_clear_cells<const D: usize>(
 
 /// Whether a solid has moved so far in a step that a cell's φ may belong to another side: that side has become the nearest, or
 /// the cell's centre lies much less deep.
-fn has_moved_away<const D: usize>(model: &Model<D>, solids: [&[SolidState<D>]; 2], cell: usize) -> bool {
-    let x = model.grid.center(model.grid.lattice().coordinates(cell));
-    let Some(number) = model.nearest_solid(solids[1], &x) else { return false };
-    let (solid, [before, now]) = (&model.solids[number], solids.map(|solids| &solids[number]));
-    let normal = |at| solid.normal(at, &x, 0.01 * model.grid.dx);
-    normal(before).dot(&normal(now)) < 0.0
-        || solid.distance(now, &x) - solid.distance(before, &x) > MIN_COVERED_DEPTH_CELLS * model.grid.dx
+fn has_moved_away<const D: usize>([before, now]: [Solids<'_, D>; 2], cell: usize) -> bool {
+    let grid = now.model.grid;
+    let x = grid.center(grid.lattice().coordinates(cell));
+    let Some(number) = now.nearest(&x) else { return false };
+    let [before, now] = [before, now].map(|solids| solids.get(number));
+    let [normal_before, normal] = [before, now].map(|solid| solid.normal(&x, 0.01 * grid.dx));
+    normal_before.dot(&normal) < 0.0
+        || now.distance(&x) - before.distance(&x) > MIN_COVERED_DEPTH_CELLS * grid.dx
 }
 
 /// Gives cells within solids beyond the band the sign of φ outside, next to them: when a moving solid uncovers them, their old

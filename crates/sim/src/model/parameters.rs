@@ -1,6 +1,7 @@
 //! Physical and numerical parameters of a run.
 
 use crate::solid::{Solid, SolidState};
+use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{BoundaryExtension, Grid};
 
@@ -97,7 +98,7 @@ impl Default for Numerics {
 impl<const D: usize> Model<D> {
     /// Whether forces move any solid, that is, whether one is free or deformable.
     pub fn has_dynamic_solids(&self) -> bool {
-        self.solids.iter().any(|s| !s.motion.is_prescribed())
+        self.solids.iter().any(|s| !s.kind.is_prescribed())
     }
 
     /// Boundary extension of scalars beyond the sides.
@@ -121,30 +122,20 @@ impl<const D: usize> Model<D> {
             || (i == self.grid.cells[axis] && self.walls[axis][1] == Wall::Slip)
     }
 
-    /// Number of the solid with the smallest signed distance to a point; `now` are the states of the solids.
-    pub(crate) fn nearest_solid(&self, now: &[SolidState<D>], x: &Vector<D>) -> Option<usize> {
-        if self.solids.len() < 2 {
-            return (!self.solids.is_empty()).then_some(0);
-        }
-        let mut nearest = (f64::INFINITY, None);
-        for (number, (solid, now)) in self.solids.iter().zip(now).enumerate() {
-            let [low, high] = solid.bounds(now);
-            let box_distance = (low - x).sup(&(x - high)).sup(&Vector::zeros()).norm();
-            // A point in the box may be inside it.
-            if box_distance > 0.0 && box_distance - solid.padding >= nearest.0 {
-                continue;
-            }
-            let distance = solid.liquid_distance(now, x);
-            if nearest.1.is_none() || distance < nearest.0 {
-                nearest = (distance, Some(number));
-            }
-        }
-        nearest.1
+    /// States of the solids at the start.
+    pub fn initial_solids(&self) -> Vec<SolidState<D>> {
+        self.solids.iter().map(Solid::initial_state).collect()
     }
 
-    /// Signed distance to the nearest solid as the liquid meets it, m, negative inside; infinite without solids.
-    pub(crate) fn solid_distance(&self, now: &[SolidState<D>], x: &Vector<D>) -> f64 {
-        self.nearest_solid(now, x).map_or(f64::INFINITY, |i| self.solids[i].liquid_distance(&now[i], x))
+    /// The deformable solids, and the positions and velocities of their vertices in these states.
+    pub fn deformable_solids<'a>(
+        &'a self,
+        states: &'a [SolidState<D>],
+    ) -> impl Iterator<Item = (&'a Elastic<D>, &'a ElasticState<D>)> {
+        let of = |(solid, now): (&'a Solid<D>, &'a SolidState<D>)| {
+            Some((solid.elastic()?, &now.as_deformable()?.vertices))
+        };
+        self.solids.iter().zip(states).filter_map(of)
     }
 
     /// Vector Bond number of a cell, `−ρ g Δ²/γ` in 1/cells²: the liquid's weight as balanced beside solids; zero without solids.

@@ -10,8 +10,9 @@ use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::{InterfaceFace, interface_faces};
 use crate::model::Model;
 use crate::repairs::Repairs;
-use crate::solid::{Solid, SolidState};
+use crate::solid::Solids;
 use crate::state::{Component, State};
+use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
 use meniscus_numerics::linalg::SolveReport;
@@ -149,8 +150,9 @@ pub fn max_velocity_component<const D: usize>(
 /// Potential energy of the liquid and of dynamic solids, J.
 pub fn potential_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
     let liquid_energy = |d: &Component<D>| -d.target_volume * model.gravity.dot(&d.centroid);
-    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_prescribed());
-    let solids: f64 = solids.map(|(s, now)| -s.mass_properties.mass * model.gravity.dot(&now.center)).sum();
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.kind.is_prescribed());
+    let solids: f64 =
+        solids.map(|(s, now)| -s.mass_properties.mass * model.gravity.dot(&now.center_of_mass())).sum();
     model.density * state.components.iter().map(liquid_energy).sum::<f64>() + solids
 }
 
@@ -164,26 +166,23 @@ pub fn energy_without_gravity<const D: usize>(model: &Model<D>, state: &State<D>
 /// Elastic energy of the solids at the time of the velocities, J. A step conserves its sum with their kinetic energy
 /// (`meniscus_elastic::IncrementalPotential`).
 fn elastic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
-        let mut body = soft.state.clone();
-        elastic.advance_positions(&mut body, state.velocity_lead);
-        Some(elastic.elastic_energy(&body.positions))
+    let energy = |(elastic, now): (&Elastic<D>, &ElasticState<D>)| {
+        let mut ahead = now.clone();
+        elastic.advance_positions(&mut ahead, state.velocity_lead);
+        elastic.elastic_energy(&ahead.positions)
     };
-    model.solids.iter().zip(&state.solids).filter_map(soft).sum()
+    model.deformable_solids(&state.solids).map(energy).sum()
 }
 
 /// [`Diagnostics::least_element`].
 fn least_element<const D: usize>(model: &Model<D>, state: &State<D>) -> Option<f64> {
-    let soft = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        solid.elastic().zip(now.soft.as_ref()).map(|(e, soft)| e.min_volume_ratio(&soft.state.positions))
-    };
-    model.solids.iter().zip(&state.solids).filter_map(soft).reduce(f64::min)
+    let solids = model.deformable_solids(&state.solids);
+    solids.map(|(elastic, now)| elastic.min_volume_ratio(&now.positions)).reduce(f64::min)
 }
 
 /// Kinetic energy of the liquid and of dynamic solids, J.
 fn total_kinetic_energy<const D: usize>(model: &Model<D>, state: &State<D>) -> f64 {
-    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.motion.is_prescribed());
+    let solids = model.solids.iter().zip(&state.solids).filter(|(s, _)| !s.kind.is_prescribed());
     state.kinetic_energy + solids.map(|(s, now)| s.kinetic_energy(now)).sum::<f64>()
 }
 
@@ -223,6 +222,11 @@ pub fn diagnostics<const D: usize>(
         least_element: least_element(model, state),
         potential_energy: potential_energy(model, state),
         max_speed: max_velocity_component(model, state, work),
-        divergence_max: divergence_max(model, state, &work.liquid, &work.cut_cells),
+        divergence_max: divergence_max(
+            Solids { model, states: &state.solids, surfaces: &work.surfaces },
+            state,
+            &work.liquid,
+            &work.cut_cells,
+        ),
     }
 }

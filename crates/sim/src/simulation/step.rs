@@ -24,11 +24,11 @@ use crate::model::time_step::{
     MAX_DT_GROWTH, PhaseEnd, StepTimes, impulse_time, lookahead_time, unbounded_impulse_time,
 };
 use crate::repairs::Repairs;
-use crate::solid::{Motion, SolidState};
+use crate::solid::{Kinematics, SolidKind, SolidState, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::linalg::{SolveError, SolveReport};
-use meniscus_numerics::{Vector, par};
+use meniscus_numerics::par;
 
 /// Result of a step.
 pub struct StepResult {
@@ -69,14 +69,15 @@ pub fn step<const D: usize>(
     let impulse_time = limited_impulse_time(state, work, dt);
 
     // (0) The solids move, and with them what they leave open of faces and cells.
-    let solids_before = state.solids.clone();
+    let (solids_before, surfaces_before) = (state.solids.clone(), work.surfaces.clone());
     if !model.solids.is_empty() {
         move_solids(model, state, work, dt);
         phase_end("solids");
     }
 
     // (1) The interface moves, φ becomes a distance again, and lines that hysteresis holds stay where they are.
-    let liquid_before = move_interface(model, state, work, &solids_before, dt);
+    let solids_before = Solids { model, states: &solids_before, surfaces: &surfaces_before };
+    let liquid_before = move_interface(state, work, solids_before, dt);
     phase_end("advect surface");
     restore_signed_distance(model, state, work);
     phase_end("redistance");
@@ -203,7 +204,9 @@ fn find_interface<const D: usize>(
         model.surface_tension * dt * impulse_time / (model.density * model.grid.dx.powi(3));
     let filter = FilterStep { capillary_cfl_squared, displacements };
     let phi = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
-    let ghosts = ghost_cells(model, state, &work.band, &work.cut_cells);
+    let [solids, solids_before] =
+        [&state.solids, solids_before].map(|states| Solids { model, states, surfaces: &work.surfaces });
+    let ghosts = ghost_cells(solids, state, &work.band, &work.cut_cells);
     let beside =
         SolidContext { cut_cells: &work.cut_cells, ghosts: &ghosts, bond_vector: model.cell_bond_vector() };
     let layers = InterfaceLayers {
@@ -218,7 +221,6 @@ fn find_interface<const D: usize>(
     work.repairs.add(&kappa.repairs);
     work.repairs.unknown_curvatures += faces.iter().filter(|face| !face.is_curvature_known).count() as u64;
     let lines = LineFriction {
-        model,
         state,
         solids_before,
         dual_cells: &change.dual_cells,
@@ -248,11 +250,11 @@ fn begin_impulse<const D: usize>(
 /// Elements near inversion and singular inertias of a state, and the neglected weight of the liquid.
 fn solid_repairs<const D: usize>(model: &Model<D>, state: &State<D>) -> Repairs {
     let mut repairs = Repairs { weight_left_out: model.neglected_weight_fraction(), ..Repairs::default() };
-    for (solid, now) in model.solids.iter().zip(&state.solids) {
-        let soft = solid.elastic().zip(now.soft.as_ref());
-        let crushed = soft.map_or(0, |(elastic, soft)| elastic.crushed_elements(&soft.state.positions));
-        repairs.crushed_elements += crushed as u64;
-        let is_singular = solid.motion == Motion::Free && solid.inverse_inertia(now).norm_squared() == 0.0;
+    for (elastic, now) in model.deformable_solids(&state.solids) {
+        repairs.crushed_elements += elastic.crushed_elements(&now.positions) as u64;
+    }
+    for (solid, now) in model.solids.iter().zip(&state.solids).filter(|(s, _)| s.kind.is_free_rigid()) {
+        let is_singular = solid.inverse_inertia(&now.as_rigid()).norm_squared() == 0.0;
         repairs.singular_inertia += u64::from(is_singular);
     }
     repairs
@@ -263,13 +265,15 @@ fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mu
     let (time, all) = (state.time, model.solids.iter());
     all.zip(&mut state.solids).for_each(|(solid, now)| solid.advance(now, time, dt));
     crate::collision::potential::slips::advance_slips(model, &mut state.elastic_slips, dt);
-    work.update_cut_cells(model, state);
+    work.update_solids(model, state);
 }
 
 /// Adds gravity to the velocity.
 fn apply_gravity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>, dt: f64) {
     for (now, solid) in state.solids.iter_mut().zip(&model.solids) {
-        now.velocity += if solid.motion == Motion::Free { model.gravity * dt } else { Vector::zeros() };
+        if let (SolidKind::Rigid, Kinematics::Rigid(rigid)) = (&solid.kind, &mut now.kinematics) {
+            rigid.velocity += model.gravity * dt;
+        }
     }
     for a in (0..D).filter(|&a| model.gravity[a] != 0.0) {
         let velocity_change = model.gravity[a] * dt;

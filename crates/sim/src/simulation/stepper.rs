@@ -13,7 +13,7 @@ use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::model::time_step::{PhaseEnd, next_dt, stable_dt, uniform_dt};
 use crate::model::{Model, Scheme};
 use crate::repairs::Repairs;
-use crate::solid::Solid;
+use crate::solid::{Kinematics, SolidView, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::{Runs, Sampler};
 use meniscus_numerics::linalg::SolveError;
@@ -121,7 +121,7 @@ impl<const D: usize> Simulation<D> {
     pub fn new(model: Model<D>, regions: &[LiquidRegion<'_, D>]) -> Self {
         let grid = model.grid;
         let mut state = State::empty(grid);
-        state.solids = model.solids.iter().map(Solid::initial_state).collect();
+        state.solids = model.initial_solids();
         let limit = BAND_WIDTH_CELLS * grid.dx;
         let lattice = grid.lattice();
         state.phi.data.par_iter_mut().enumerate().for_each(|(i, value)| {
@@ -137,11 +137,7 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Resumes a simulation from a state (a checkpoint), with the same bits as without an interruption.
-    pub fn resume(model: Model<D>, mut state: State<D>) -> Self {
-        for (solid, now) in model.solids.iter().zip(&mut state.solids) {
-            let soft = now.soft.take().zip(solid.elastic());
-            now.soft = soft.map(|(soft, elastic)| soft.with_surface(elastic));
-        }
+    pub fn resume(model: Model<D>, state: State<D>) -> Self {
         let mut parts = (model, state);
         let workspace = by_dimension(&mut parts, (), workspace_2, workspace_3);
         let (model, state) = parts;
@@ -201,7 +197,7 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// Those of [`Simulation::step`].
     pub fn step_and_undo(&mut self, max_dt: f64) -> Result<StepReport<D>, StepError> {
-        let snapshot = Snapshot::take(&self.model, &self.state, &mut self.workspace);
+        let snapshot = Snapshot::take(&self.model, &mut self.state, &mut self.workspace);
         let report = self.step(max_dt, &mut |_| {});
         snapshot.restore(&self.model, &mut self.state, &mut self.workspace);
         report
@@ -223,7 +219,7 @@ impl<const D: usize> Simulation<D> {
         // Ends after [`MAX_RETRIES`] and [`MAX_ACCURACY_HALVINGS`].
         loop {
             self.workspace.repairs = Repairs::default();
-            let snapshot = Snapshot::take(&self.model, &self.state, &mut self.workspace);
+            let snapshot = Snapshot::take(&self.model, &mut self.state, &mut self.workspace);
             let step = match self.model.numerics.scheme {
                 Scheme::Meniscus => meniscus_step,
             };
@@ -334,16 +330,26 @@ impl<const D: usize> Simulation<D> {
         &self.workspace.liquid
     }
 
+    /// The solids in their current states.
+    pub fn solids(&self) -> Solids<'_, D> {
+        Solids { model: &self.model, states: &self.state.solids, surfaces: &self.workspace.surfaces }
+    }
+
+    /// A solid in its current state.
+    pub fn solid(&self, number: usize) -> SolidView<'_, D> {
+        self.solids().get(number)
+    }
+
     /// Signed distance of a point to the nearest solid in its current position, m, negative inside.
     pub fn distance_to_solids(&self, x: &Vector<D>) -> f64 {
-        let all = self.model.solids.iter().zip(&self.state.solids);
-        all.map(|(solid, now)| solid.distance(now, x)).fold(f64::INFINITY, f64::min)
+        self.solids().iter().map(|solid| solid.distance(x)).fold(f64::INFINITY, f64::min)
     }
 
     /// Wetted fraction of a solid's surface, 0 to 1.
     pub fn wetted_fraction(&self, number: usize) -> f64 {
-        if let Some(soft) = &self.state.solids[number].soft {
-            return self.wetted_fraction_of_surface(&soft.surface.mesh, self.model.solids[number].padding);
+        let solid = self.solid(number);
+        if let Kinematics::Deformable(_) = solid.state.kinematics {
+            return self.wetted_fraction_of_surface(&solid.surface.mesh, solid.padding);
         }
         let own = self.workspace.cut_cells.cells.iter().filter(|w| w.solid as usize == number);
         let wet = own.filter(|w| self.state.phi.data[w.cell as usize] < 0.0);

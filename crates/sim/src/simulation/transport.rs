@@ -11,7 +11,7 @@ use crate::free_surface::curvature::InterfaceDisplacement;
 use crate::free_surface::extension::extend_into_solids;
 use crate::model::Model;
 use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS, GRADIENT_NORM_TOLERANCE};
-use crate::solid::SolidState;
+use crate::solid::Solids;
 use crate::state::State;
 use meniscus_numerics::grid::{Runs, Sampler, Segment};
 use meniscus_numerics::level_set::{interface_gradient_norm, redistance};
@@ -32,17 +32,17 @@ const RESIDUE_PHI_CELLS: f64 = 0.01;
 /// period: with factor 1 it persists and disturbs drops at rest (u_rms 1e-2).
 const SOLID_REDISTANCE_RELAXATION: f64 = 0.5;
 
-/// Advects φ and returns the liquid cells before. `solids` are those before the step.
+/// Advects φ and returns the liquid cells before. `solids_before` are those before the step.
 pub fn move_interface<const D: usize>(
-    model: &Model<D>,
     state: &mut State<D>,
     work: &mut Workspace<D>,
-    solids: &[SolidState<D>],
+    solids_before: Solids<'_, D>,
     dt: f64,
 ) -> Runs {
+    let model = solids_before.model;
     let values = advect_interface(model, &state.phi, &work.band, &state.velocity, dt);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
-    let extended = extend_into_solids(model, state, &work.band, &work.cut_cells, solids);
+    let extended = extend_into_solids(state, &work.band, &work.cut_cells, solids_before, &work.surfaces);
     (work.non_distance_cells, work.overwritten_phi) = (extended.non_distance_cells, extended.overwritten_phi);
     let displacement_cells = max_velocity_component(model, state, work) * dt / model.grid.dx;
     state.displacement_since_redistancing += displacement_cells;

@@ -8,7 +8,7 @@ use crate::free_surface::energy::DualGrid;
 use crate::model::Model;
 use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS};
 use crate::repairs::Repairs;
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::{SolidKind, SolidState, SolidSurfaces, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::{
     Band, CellField, CutCells, Grid, Run, Runs, Sampler, Segment, Tiles, VelocityExtension, lattice_points,
@@ -50,6 +50,8 @@ pub struct Workspace<const D: usize> {
     pub band: Band<D>,
     /// The liquid cells.
     pub liquid: Runs,
+    /// Surfaces of the solids.
+    pub surfaces: SolidSurfaces<D>,
     /// Open fractions beside solids.
     pub cut_cells: CutCells<D>,
     /// Faces with a known velocity.
@@ -73,11 +75,12 @@ pub struct Workspace<const D: usize> {
 impl<const D: usize> Workspace<D> {
     /// Finds the liquid of a state and extends its velocity.
     pub fn new(model: &Model<D>, state: &mut State<D>) -> Self {
-        let grid = model.grid;
+        let (grid, start) = (model.grid, model.initial_solids());
         let mut workspace = Self {
             tiles: Tiles::all(grid),
             band: Band::new(grid),
             liquid: Runs::default(),
+            surfaces: SolidSurfaces::new(&model.solids, &start),
             cut_cells: CutCells::uncut(grid),
             known_faces: VelocityExtension::new(grid),
             dual_grid: DualGrid::new(grid, model.cell_bond_vector()),
@@ -88,36 +91,36 @@ impl<const D: usize> Workspace<D> {
             initial_solid_areas: Vec::new(),
             repairs: Repairs::default(),
         };
-        let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
-        workspace.rebuild_cut_cells(model, &start);
+        workspace.place_solids(model, &start);
         workspace.initial_solid_areas = workspace.measure_surfaces(model);
         if start != state.solids {
-            workspace.rebuild_cut_cells(model, &state.solids);
+            workspace.place_solids(model, &state.solids);
         }
         workspace.find_liquid(model, state);
         workspace.rebuild_velocity_extension(model, state);
         workspace
     }
 
-    /// Rebuilds the cut cells near the liquid for the current positions of the solids.
-    fn rebuild_cut_cells(&mut self, model: &Model<D>, now: &[SolidState<D>]) {
-        let solids: Vec<_> = model.solids.iter().zip(now).collect();
+    /// Places the solids: their surfaces, and the cells near the liquid that they cut.
+    fn place_solids(&mut self, model: &Model<D>, states: &[SolidState<D>]) {
+        self.surfaces.update(states);
+        let solids = Solids { model, states, surfaces: &self.surfaces };
         let distances: Vec<_> =
-            solids.iter().map(|(solid, now)| move |x: &Vector<D>| solid.liquid_distance(now, x)).collect();
-        let cuts = solids.iter().zip(&distances).map(|((solid, now), d)| solid.embedded_boundary(now, d));
+            solids.iter().map(|solid| move |x: &Vector<D>| solid.liquid_distance(x)).collect();
+        let cuts = solids.iter().zip(&distances).map(|(solid, d)| solid.embedded_boundary(d));
         // Liquid and band move less than a tile in a step.
         self.cut_cells.rebuild(&cuts.collect::<Vec<_>>(), &self.tiles.dilated());
         let nearest = |x: &Vector<D>| {
-            let number = model.nearest_solid(now, x).unwrap_or(0);
-            (number as u32, model.solids[number].young_cosine_near(&now[number], x, model.grid.dx))
+            let number = solids.nearest(x).unwrap_or(0);
+            (number as u32, solids.get(number).young_cosine_near(x, model.grid.dx))
         };
         self.dual_grid.update_solids(&self.cut_cells, nearest);
     }
 
-    /// Rebuilds the cut cells if any solid moves.
-    pub fn update_cut_cells(&mut self, model: &Model<D>, state: &State<D>) {
-        if model.solids.iter().any(|s| s.motion != Motion::Fixed) {
-            self.rebuild_cut_cells(model, &state.solids);
+    /// Places the solids where they are now, if any of them moves.
+    pub fn update_solids(&mut self, model: &Model<D>, state: &State<D>) {
+        if model.solids.iter().any(|s| !matches!(s.kind, SolidKind::Fixed)) {
+            self.place_solids(model, &state.solids);
         }
     }
 
@@ -211,7 +214,8 @@ impl<const D: usize> Workspace<D> {
     fn wedge_tips(&self, model: &Model<D>, state: &State<D>) -> Vec<(u32, u32)> {
         let (within, grid) = (self.components_inside_solids(), model.grid);
         let lattice = grid.lattice();
-        let depth = |x: &Vector<D>| -model.solid_distance(&state.solids, x);
+        let solids = Solids { model, states: &state.solids, surfaces: &self.surfaces };
+        let depth = |x: &Vector<D>| -solids.liquid_distance(x);
         let across = |from: [usize; D], to: [usize; D]| {
             let (from, to) = (grid.center(from), grid.center(to));
             depth(&((from + to) * 0.5))
@@ -259,7 +263,7 @@ impl<const D: usize> Workspace<D> {
         }
         let shut =
             self.known_faces.extend_into_closed_faces(&mut state.velocity, &self.cut_cells.closed_faces);
-        impose_slip_velocity(model, state, &shut)
+        impose_slip_velocity(model, state, &self.surfaces, &shut)
     }
 
     /// Contacts of each component.
@@ -320,17 +324,22 @@ fn cells_of<const D: usize>(grid: &Grid<D>, run: &Run) -> std::ops::Range<usize>
 
 /// Replaces the normal velocity on faces closed by solids by that of the nearest solid (slip condition). Faces without a solid
 /// get zero velocity; returns their number.
-fn impose_slip_velocity<const D: usize>(model: &Model<D>, state: &mut State<D>, shut: &[Vec<u32>; D]) -> u64 {
+fn impose_slip_velocity<const D: usize>(
+    model: &Model<D>,
+    state: &mut State<D>,
+    surfaces: &SolidSurfaces<D>,
+    shut: &[Vec<u32>; D],
+) -> u64 {
     let flow = VelocitySampler::new(model, &state.velocity);
+    let solids = Solids { model, states: &state.solids, surfaces };
     let new: [Vec<Option<f64>>; D] = std::array::from_fn(|a| {
         let lattice = model.grid.face_lattice(a);
         let slipping = |&f: &u32| {
             let x = model.grid.face_center(a, lattice.coordinates(f as usize));
-            let number = model.nearest_solid(&state.solids, &x)?;
-            let (solid, now) = (&model.solids[number], &state.solids[number]);
+            let solid = solids.get(solids.nearest(&x)?);
             let mut u = flow.linear(&x);
             u[a] = state.velocity.axes[a][f as usize];
-            let [normal, velocity] = solid.normal_and_velocity(now, &x, 0.01 * model.grid.dx);
+            let [normal, velocity] = solid.normal_and_velocity(&x, 0.01 * model.grid.dx);
             Some(u[a] - normal[a] * (u - velocity).dot(&normal))
         };
         shut[a].par_iter().with_min_len(64).map(slipping).collect()
@@ -361,25 +370,23 @@ pub fn component_bounds<const D: usize>(model: &Model<D>, liquid: &Runs) -> Vec<
     out
 }
 
-/// Copy of φ in the band, the liquid's velocity, components, solids and sums, from which [`Snapshot::restore`] rebuilds the
-/// state before a failed step. Everything else follows from these, except φ in the cells of [`Workspace::overwritten_phi`].
+/// Copy of the state before a step, from which [`Snapshot::restore`] rebuilds it after a failed one: φ in the band, the liquid's velocity,
+/// and all but the dense fields. Everything else follows from these, except φ in the cells of [`Workspace::overwritten_phi`].
 pub struct Snapshot<const D: usize> {
     tiles: Tiles<D>,
     liquid: Runs,
     band_cells: Vec<u32>,
     phi: Vec<f64>,
     velocity: FaceValues<D>,
-    components: Vec<crate::Component<D>>,
-    solids: Vec<crate::SolidState<D>>,
-    elastic_slips: crate::Slips<D>,
-    scalars: (f64, u64, [f64; 6], [f64; 3], [f64; 2]),
+    /// The state with empty fields.
+    rest: State<D>,
 }
 
 type FaceValues<const D: usize> = [Vec<(usize, Vec<f64>)>; D];
 
 impl<const D: usize> Snapshot<D> {
     /// Copies the data that the coming step may overwrite.
-    pub fn take(model: &Model<D>, state: &State<D>, workspace: &mut Workspace<D>) -> Self {
+    pub fn take(model: &Model<D>, state: &mut State<D>, workspace: &mut Workspace<D>) -> Self {
         workspace.overwritten_phi.clear();
         let band_cells = workspace.band.cells.clone();
         let phi = band_cells.iter().map(|&c| state.phi.data[c as usize]).collect();
@@ -391,41 +398,11 @@ impl<const D: usize> Snapshot<D> {
             };
             workspace.known_faces.liquid_faces()[a].iter().map(values).collect()
         });
-        let State {
-            last_dt,
-            velocity_lead,
-            impulse_time,
-            collision_free_dt,
-            displacement_since_redistancing,
-            lost_volume,
-            ..
-        } = *state;
-        let State { outflow_volume, outflow_kinetic_energy, outflow_stored_energy, .. } = *state;
-        let outflow = [outflow_volume, outflow_kinetic_energy, outflow_stored_energy];
-        let start = [
-            last_dt,
-            velocity_lead,
-            impulse_time,
-            collision_free_dt,
-            displacement_since_redistancing,
-            lost_volume,
-        ];
-        let scalars =
-            (state.time, state.step, start, outflow, [state.kinetic_energy, state.effective_surface_area]);
-        let (tiles, components, solids) =
-            (workspace.tiles.clone(), state.components.clone(), state.solids.clone());
-        let liquid = workspace.liquid.clone();
-        Self {
-            tiles,
-            liquid,
-            band_cells,
-            phi,
-            velocity,
-            components,
-            solids,
-            elastic_slips: state.elastic_slips.clone(),
-            scalars,
-        }
+        let fields = state.take_fields();
+        let rest = state.clone();
+        state.put_fields(fields);
+        let (tiles, liquid) = (workspace.tiles.clone(), workspace.liquid.clone());
+        Self { tiles, liquid, band_cells, phi, velocity, rest }
     }
 
     /// Restores the state and the workspace.
@@ -442,24 +419,14 @@ impl<const D: usize> Snapshot<D> {
                 state.velocity.axes[a][at..at + values.len()].copy_from_slice(&values);
             }
         }
-        (state.time, state.step) = (self.scalars.0, self.scalars.1);
-        [
-            state.last_dt,
-            state.velocity_lead,
-            state.impulse_time,
-            state.collision_free_dt,
-            state.displacement_since_redistancing,
-            state.lost_volume,
-        ] = self.scalars.2;
-        [state.outflow_volume, state.outflow_kinetic_energy, state.outflow_stored_energy] = self.scalars.3;
-        [state.kinetic_energy, state.effective_surface_area] = self.scalars.4;
-        state.components = self.components;
-        (state.solids, state.elastic_slips) = (self.solids, self.elastic_slips);
+        let fields = state.take_fields();
+        *state = self.rest;
+        state.put_fields(fields);
         // The pressure of a failed solve is no initial guess.
         state.pressure_impulse = CellField::new(model.grid, 0.0);
         // The tiles of the failed step need not cover the liquid and its cut cells.
         workspace.tiles = self.tiles.clone();
-        workspace.update_cut_cells(model, state);
+        workspace.update_solids(model, state);
         workspace.find_liquid(model, state);
         // Known defect: outside the band φ within solids keeps the signs of the failed step, unless the number of components is then
         // wrong. If all are restored, `verify leak` finds stale liquid in moving thin walls.

@@ -9,7 +9,8 @@ use meniscus_numerics::shape::Shape;
 fn liquid_beyond_a_wall_is_none() {
     let grid = Grid::<2>::new([16; 2], 1.0);
     let (center, half_size) = (Vector::<2>::new(7.3, 8.0), Vector::<2>::new(1.0, 20.0));
-    let wall = Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, Motion::Fixed, 1.0);
+    let wall =
+        Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, SolidKind::Fixed, 1.0);
     let model = Model::of_test(grid, vec![wall]);
     let left = |x: &Vector<2>| (x[0] - 7.3).max(x[1] - 9.2);
     let body = LiquidRegion { signed_distance: &left, velocity: Vector::zeros() };
@@ -37,7 +38,7 @@ fn a_step_taken_back_leaves_the_drops_that_were() {
     };
     let ball = |x: f64| {
         let shape = Shape::Ball { center: Vector::from([x, 24.0]), radius: 5.5 };
-        Solid::new(shape, Motion::Prescribed(path.clone()), 1.0)
+        Solid::new(shape, SolidKind::Prescribed(path.clone()), 1.0)
     };
     let model = Model::of_test(grid, vec![ball(10.0), ball(21.0)]);
     let pool = |x: &Vector<2>| x[1] - 16.3;
@@ -46,7 +47,7 @@ fn a_step_taken_back_leaves_the_drops_that_were() {
     let mut changed = 0;
     for _ in 0..40 {
         let before = state.components.clone();
-        let snapshot = Snapshot::take(&model, &state, &mut workspace);
+        let snapshot = Snapshot::take(&model, &mut state, &mut workspace);
         crate::simulation::step::step(&model, &mut state, &mut workspace, 0.5, &mut |_| ()).unwrap();
         changed += workspace.overwritten_phi.len();
         snapshot.restore(&model, &mut state, &mut workspace);

@@ -5,7 +5,7 @@
 //! collide with the sides themselves ([`crate::collision`]).
 
 use super::wettability::Hysteresis;
-use super::{Motion, Solid, SolidState};
+use super::{Solid, SolidKind, Solids};
 use crate::model::{Model, Wall};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
@@ -33,7 +33,7 @@ impl<const D: usize> Model<D> {
         });
         self.grid = self.grid.with_margin(margin);
         if self.has_wetting_walls() {
-            let solid = Solid::new(self.exterior_shape(), Motion::Fixed, self.density);
+            let solid = Solid::new(self.exterior_shape(), SolidKind::Fixed, self.density);
             self.solids.push(Solid { young_cosine, line_friction, hysteresis, ..solid });
         }
         self
@@ -48,22 +48,6 @@ impl<const D: usize> Model<D> {
     fn has_wetting_walls(&self) -> bool {
         let beyond = |(wall, cells): (&Wall, &usize)| *wall == Wall::Slip && *cells > 0;
         self.walls.as_flattened().iter().zip(self.grid.margin_cells.as_flattened()).any(beyond)
-    }
-
-    /// Height of a point above a solid, m, seen from a foot on it with this normal. For the walls only the side of the foot counts:
-    /// beside an edge the other side may be nearer.
-    pub(crate) fn height_above_solid(
-        &self,
-        now: &[SolidState<D>],
-        solid: usize,
-        foot: &Vector<D>,
-        normal: &Vector<D>,
-        x: &Vector<D>,
-    ) -> f64 {
-        match self.wetting_wall_solid() == Some(solid) {
-            true => (x - foot).dot(normal),
-            false => self.solids[solid].liquid_distance(&now[solid], x),
-        }
     }
 
     /// All space beyond the closed sides.
@@ -89,5 +73,22 @@ impl<const D: usize> Model<D> {
             [Wall::Slip, _] if x[a] < 0.0 => -x[a],
             _ => x[a],
         })
+    }
+}
+
+impl<const D: usize> Solids<'_, D> {
+    /// Height of a point above a solid, m, seen from a foot on it with this normal. For the walls only the side of the foot counts:
+    /// beside an edge the other side may be nearer.
+    pub(crate) fn height_above(
+        &self,
+        solid: usize,
+        foot: &Vector<D>,
+        normal: &Vector<D>,
+        x: &Vector<D>,
+    ) -> f64 {
+        match self.model.wetting_wall_solid() == Some(solid) {
+            true => (x - foot).dot(normal),
+            false => self.get(solid).liquid_distance(x),
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! The cosine of Young's angle of a solid near a point, and its hysteresis there.
 
-use super::kinematics::{Solid, SolidState};
+use super::description::Solid;
+use super::view::SolidView;
 use meniscus_numerics::Vector;
 
 /// Samples along each side of the square for the mean, if the pattern has an edge in it.
@@ -8,20 +9,20 @@ const SAMPLES_PER_SIDE: usize = 6;
 /// Enlargement of patches over the square's width: a patch that ends at the solid's surface covers it.
 const PATCH_ENLARGEMENT: f64 = 0.05;
 
-impl<const D: usize> Solid<D> {
-    /// Cosine of Young's angle on the surface next to a point (m) of the solid in state `now`: the mean over a square (2D: a segment)
-    /// of `width` (m). Beyond ±1 nothing or everything is wetted.
-    pub fn young_cosine_near(&self, now: &SolidState<D>, x: &Vector<D>, width: f64) -> f64 {
-        if self.pattern.is_empty() {
-            return self.young_cosine;
+impl<const D: usize> SolidView<'_, D> {
+    /// Cosine of Young's angle on the surface next to a point (m): the mean over a square (2D: a segment) of `width` (m). Beyond ±1
+    /// nothing or everything is wetted.
+    pub fn young_cosine_near(&self, x: &Vector<D>, width: f64) -> f64 {
+        let Solid { pattern, young_cosine, .. } = self.solid;
+        if pattern.is_empty() {
+            return *young_cosine;
         }
-        let (foot, normal) = self.reference_foot_and_normal(now, x, 0.01 * width);
+        let (foot, normal) = self.reference_point_and_normal(x, 0.01 * width);
         let slack = PATCH_ENLARGEMENT * width;
-        let cosine = |x: &Vector<D>| {
-            self.pattern.iter().fold(self.young_cosine, |below, l| l.blend_over(below, x, slack))
-        };
+        let cosine =
+            |x: &Vector<D>| pattern.iter().fold(*young_cosine, |below, l| l.blend_over(below, x, slack));
         let reach = 0.5 * width * ((D - 1) as f64).sqrt() + slack;
-        if self.pattern.iter().all(|layer| layer.distance_to_edge(&foot) > reach) {
+        if pattern.iter().all(|layer| layer.distance_to_edge(&foot) > reach) {
             return cosine(&foot);
         }
         let sides = tangents(&normal).map(|side| side * (width / SAMPLES_PER_SIDE as f64));
@@ -33,22 +34,9 @@ impl<const D: usize> Solid<D> {
         };
         (0..count).map(|k| cosine(&place(k))).sum::<f64>() / count as f64
     }
+}
 
-    /// Reference position of the surface point next to `x`, m, and the reference normal there, by differences over `step` (m).
-    fn reference_foot_and_normal(
-        &self,
-        now: &SolidState<D>,
-        x: &Vector<D>,
-        step: f64,
-    ) -> (Vector<D>, Vector<D>) {
-        let soft = now.soft.as_ref().zip(self.elastic());
-        soft.and_then(|(soft, elastic)| soft.reference_point_and_normal(elastic, x)).unwrap_or_else(|| {
-            let at = self.to_reference(now, x);
-            let normal = now.rotation.tr_mul(&self.normal(now, x, step));
-            (at - normal * self.shape.signed_distance(&at), normal)
-        })
-    }
-
+impl<const D: usize> Solid<D> {
     /// Cosine of the angle to which a contact line of the present angle's `cosine` tends where Young's is `young_cosine`, and whether
     /// it rests. Between the receding and the advancing angle the line keeps its angle.
     pub fn hysteretic_cosine(&self, young_cosine: f64, cosine: f64) -> (f64, bool) {
@@ -71,12 +59,25 @@ fn tangents<const D: usize>(n: &Vector<D>) -> [Vector<D>; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solid::Motion;
+    use crate::solid::surface::SolidSurface;
     use crate::solid::wettability::CosineImage;
     use crate::solid::wettability::{Hysteresis, WettabilityLayer};
+    use crate::solid::{Kinematics, RigidKinematics, SolidKind, SolidState};
     use meniscus_numerics::Matrix;
+    use meniscus_numerics::mesh::SurfaceMesh;
     use meniscus_numerics::shape::Shape;
     use std::sync::Arc;
+
+    /// The cosine near a point of a rigid solid.
+    fn cosine_near<const D: usize>(
+        solid: &Solid<D>,
+        state: &SolidState<D>,
+        x: &Vector<D>,
+        width: f64,
+    ) -> f64 {
+        let surface = &SolidSurface::new(SurfaceMesh::default(), Vec::new());
+        SolidView { solid, state, surface }.young_cosine_near(x, width)
+    }
 
     /// A plate 2 by 2 wide with its top at 0 and its middle at the origin.
     fn plate<const D: usize>(pattern: Vec<WettabilityLayer<D>>) -> Solid<D> {
@@ -86,7 +87,7 @@ mod tests {
             half_size: Vector::from_fn(|a, _| if last(a) { 0.2 } else { 1.0 }),
             rotation: Matrix::identity(),
         };
-        let mut solid = Solid::new(shape, Motion::Free, 1.0);
+        let mut solid = Solid::new(shape, SolidKind::Rigid, 1.0);
         (solid.young_cosine, solid.pattern) = (-0.5, pattern);
         solid
     }
@@ -107,7 +108,7 @@ mod tests {
         let now = solid.initial_state();
         let at = |x: f64, width: f64| {
             let place = Vector::from_fn(|a, _| if a == 0 { x } else { 0.03 });
-            solid.young_cosine_near(&now, &place, width)
+            cosine_near(&solid, &now, &place, width)
         };
         for (x, cosine) in [(-0.9, -0.5), (0.0, 0.5), (0.4, 0.9), (0.65, 0.9), (0.8, -0.5)] {
             assert!((at(x, 0.1) - cosine).abs() < 1e-12, "{D}D at {x}: {}", at(x, 0.1));
@@ -134,20 +135,21 @@ mod tests {
         };
         let solid = plate(vec![WettabilityLayer::Patch { shape, cosine: 0.8 }]);
         let cosine =
-            |z: f64| solid.young_cosine_near(&solid.initial_state(), &Vector::<3>::new(0.1, 0.2, z), 0.1);
+            |z: f64| cosine_near(&solid, &solid.initial_state(), &Vector::<3>::new(0.1, 0.2, z), 0.1);
         assert!([-0.04, 0.0, 0.05].map(cosine).iter().all(|c| (c - 0.8).abs() < 1e-12));
     }
 
     #[test]
     fn patterns_go_with_their_solids() {
         let solid = plate::<2>(vec![WettabilityLayer::Patch { shape: block(-0.5, 0.5), cosine: 0.5 }]);
-        let mut now = solid.initial_state();
         let (s, c) = 0.7f64.sin_cos();
-        let turn = Matrix::<2>::new(c, -s, s, c);
-        (now.center, now.rotation) = (now.center + Vector::<2>::new(3.0, 1.0), turn);
-        let moved = |x: f64| now.center + turn * (Vector::<2>::new(x, 0.02) - solid.mass_properties.center);
+        let start = solid.initial_state().as_rigid();
+        let center = start.center + Vector::<2>::new(3.0, 1.0);
+        let rigid = RigidKinematics { center, rotation: Matrix::<2>::new(c, -s, s, c), ..start };
+        let now = SolidState::new(Kinematics::Rigid(rigid));
+        let moved = |x: f64| solid.to_current(&rigid, &Vector::<2>::new(x, 0.02));
         for (x, cosine) in [(0.4, 0.5), (-0.4, 0.5), (0.6, -0.5), (-0.6, -0.5)] {
-            assert!((solid.young_cosine_near(&now, &moved(x), 0.05) - cosine).abs() < 1e-12, "at {x}");
+            assert!((cosine_near(&solid, &now, &moved(x), 0.05) - cosine).abs() < 1e-12, "at {x}");
         }
     }
 
@@ -160,7 +162,7 @@ mod tests {
         let pixels = vec![[1.0, 1.0], [0.0, 1.0], [0.2, 1.0], [0.7, 0.0]];
         let picture = CosineImage { bounds: [[0.0, 0.4], [0.0, 0.4]], size: [2, 2], pixels };
         let solid = plate(vec![gradient, WettabilityLayer::Image(Arc::new(picture))]);
-        let at = |x, y| solid.young_cosine_near(&solid.initial_state(), &Vector::<3>::new(x, y, 0.0), 0.01);
+        let at = |x, y| cosine_near(&solid, &solid.initial_state(), &Vector::<3>::new(x, y, 0.0), 0.01);
         assert!((at(-0.25, -0.5) - 0.2).abs() < 1e-9 && (at(0.9, -0.5) - 0.8).abs() < 1e-12);
         // The lower row; half-way between its pixels; the transparent pixel shows the layer below.
         assert!((at(0.05, 0.05) - 1.0).abs() < 1e-9, "{}", at(0.05, 0.05));

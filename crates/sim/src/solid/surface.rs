@@ -30,6 +30,17 @@ impl<const D: usize> SurfacePoint<D> {
     }
 }
 
+/// Distributes impulses at surface points to the vertices of their facets.
+pub fn distribute_to_vertices<const D: usize>(
+    grips: &[(SurfacePoint<D>, Vector<D>)],
+    vertices: &mut [Vector<D>],
+) {
+    for (grip, impulse) in grips {
+        let corners = grip.vertices.iter().zip(grip.weights);
+        corners.for_each(|(vertex, weight)| vertices[*vertex as usize] += impulse * weight);
+    }
+}
+
 /// The surface of a deformable solid.
 #[derive(Clone, Debug)]
 pub struct SolidSurface<const D: usize> {

@@ -6,7 +6,8 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    ContactLine, LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, Wall,
+    ContactLine, Kinematics, LineTracker, LiquidRegion, Model, Numerics, RigidKinematics, Simulation, Solid,
+    SolidKind, Wall,
 };
 use std::f64::consts::TAU;
 
@@ -17,7 +18,7 @@ fn up<const D: usize>() -> Vector<D> {
 /// A ball of liquid (radius 1, centre given) on a solid, `cells` per radius.
 fn drop_on<const D: usize>(cells: usize, center: Vector<D>, shape: Shape<D>, angle: f64) -> Simulation<D> {
     let dx = 1.0 / cells as f64;
-    let mut solid = Solid::new(shape, Motion::Fixed, 1.0);
+    let mut solid = Solid::new(shape, SolidKind::Fixed, 1.0);
     solid.young_cosine = angle.to_radians().cos();
     let model = Model {
         grid: Grid::new([3 * cells; D], dx),
@@ -78,8 +79,11 @@ fn on_a_ball<const D: usize>(cells: usize, angle: f64) {
     let gap = (1.0 + radius * radius - 2.0 * radius * angle.to_radians().cos()).sqrt();
     let mut simulation = drop_on(cells, center + up::<D>() * gap, Shape::Ball { center, radius }, angle);
     let (s, c) = 0.7f64.sin_cos();
-    let turned = &mut simulation.state.solids[0].rotation;
-    (turned[(0, 0)], turned[(0, D - 1)], turned[(D - 1, 0)], turned[(D - 1, D - 1)]) = (c, -s, s, c);
+    if let Kinematics::Rigid(RigidKinematics { rotation: turned, .. }) =
+        &mut simulation.state.solids[0].kinematics
+    {
+        (turned[(0, 0)], turned[(0, D - 1)], turned[(D - 1, 0)], turned[(D - 1, D - 1)]) = (c, -s, s, c);
+    }
     let tracker = LineTracker::new(&simulation.model, &[dx / 1.5]);
     let line = tracker.extract(&simulation);
     let wrong = line.points.iter().map(|p| (p.angle_degrees - angle).abs()).fold(0.0, f64::max);
@@ -87,7 +91,7 @@ fn on_a_ball<const D: usize>(cells: usize, angle: f64) {
     let cosine = (gap * gap + radius * radius - 1.0) / (2.0 * gap * radius);
     let exact =
         |x: &Vector<D>| radius * (((x - center)[D - 1] / radius).clamp(-1.0, 1.0).acos() - cosine.acos());
-    let surface = tracker.surface(&simulation.model, &simulation.state.solids, 0);
+    let surface = tracker.surface(simulation.solids(), 0);
     let vertices = surface.positions.iter().zip(&line.phi_c[0]);
     let errors: Vec<f64> = vertices
         .filter(|(x, _)| exact(x).abs() < 4.5 * dx)

@@ -3,7 +3,7 @@
 use crate::soft_collide::{DX, GRAVITY, down, dry, lattice, mapped, run, soft};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Motion, Simulation, Solid};
+use meniscus_sim::{Simulation, Solid, SolidKind};
 
 const ALPHA: f64 = 0.4;
 const HALF: f64 = 0.08;
@@ -19,10 +19,10 @@ fn slope<const D: usize>(rigid: bool, friction: f64, step: f64) -> (Simulation<D
     });
     let (normal, point) = (turn.column(D - 1).into_owned(), Vector::repeat(0.3));
     let middle = point + normal * (HALF + 0.2 * DX);
-    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
+    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, SolidKind::Fixed, 1.0);
     let mut block = if rigid {
         let shape = Shape::Box { center: middle, half_size: Vector::repeat(HALF), rotation: turn };
-        Solid::new(shape, Motion::Free, 2.0)
+        Solid::new(shape, SolidKind::Rigid, 2.0)
     } else {
         soft(mapped(lattice([4; D]), |x: &Vector<D>| middle + turn * x * HALF), 1e4, 0.3, Vec::new())
     };
@@ -33,7 +33,7 @@ fn slope<const D: usize>(rigid: bool, friction: f64, step: f64) -> (Simulation<D
 /// Creep of a block that friction holds, in a number of steps, over its side.
 fn creep<const D: usize>(rigid: bool, step: f64) {
     let (mut simulation, along) = slope::<D>(rigid, 0.6, step);
-    let place = |s: &Simulation<D>| s.state.solids[1].center.dot(&along);
+    let place = |s: &Simulation<D>| s.state.solids[1].center_of_mass().dot(&along);
     // By then blocks have stopped rocking from their fall on the barrier.
     run(&mut simulation, 2.0, |_| ());
     let start = place(&simulation);
@@ -59,7 +59,7 @@ fn rigid_ones_stay_with_steps_of_any_length() {
 /// A rigid block slides as Coulomb says, once it no longer rocks from its fall on the barrier.
 fn slides<const D: usize>(friction: f64) {
     let (mut simulation, along) = slope::<D>(true, friction, 1e-3);
-    let speed = |s: &Simulation<D>| s.state.solids[1].velocity.dot(&along);
+    let speed = |s: &Simulation<D>| s.state.solids[1].velocity().dot(&along);
     run(&mut simulation, 0.25, |_| ());
     let start = speed(&simulation);
     run(&mut simulation, 0.35, |_| ());
@@ -86,12 +86,12 @@ fn a_ball_rolls_on_a_soft_slab() {
     let mut slab = soft(mesh, 1e5, 0.3, vec![held]);
     let reach = 0.25 * DX;
     let (center, radius) = (Vector::from([0.2, 0.45 + reach]), 0.1);
-    let mut ball = Solid::new(Shape::Ball { center, radius }, Motion::Free, 2.0);
+    let mut ball = Solid::new(Shape::Ball { center, radius }, SolidKind::Rigid, 2.0);
     (slab.friction, ball.friction, ball.restitution) = (0.6, 0.6, 0.0);
     let gravity = Vector::from([GRAVITY * ALPHA.sin(), -GRAVITY * ALPHA.cos()]);
     let mut simulation = dry::<2>(vec![slab, ball], gravity, 1e-3);
     run(&mut simulation, 0.3, |_| ());
-    let now = &simulation.state.solids[1];
+    let now = simulation.state.solids[1].as_rigid();
     let rolling = now.velocity[0] / -now.angular_velocity[2];
     let expected = 0.5 * GRAVITY * ALPHA.sin() / (1.0 + 0.5 * (radius / rolling).powi(2)) * 0.09;
     let way = now.center[0] - center[0];

@@ -6,7 +6,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
-    LineTracker, LiquidRegion, Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall,
+    LineTracker, LiquidRegion, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, Wall,
     WettabilityLayer,
 };
 
@@ -25,8 +25,8 @@ fn drop_on<const D: usize>(
     let along = Vector::<D>::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
     let path =
         PrescribedMotion { velocity: along * speed, angular_velocity: [0.0; 3], keyframes: Vec::new() };
-    let motion = if speed == 0.0 { Motion::Fixed } else { Motion::Prescribed(path) };
-    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, motion, 1.0);
+    let kind = if speed == 0.0 { SolidKind::Fixed } else { SolidKind::Prescribed(path) };
+    let mut wall = Solid::new(Shape::HalfSpace { point, normal }, kind, 1.0);
     let stripe = Shape::Box {
         center: point + along * (0.5 * (low + high)),
         half_size: Vector::from_fn(|a, _| if a == 0 { 0.5 * (high - low) } else { 50.0 }),
@@ -58,7 +58,7 @@ fn run_to<const D: usize>(simulation: &mut Simulation<D>, end: f64) {
 /// Least and largest x of the line, from where the middle of the pattern is now.
 fn reach<const D: usize>(simulation: &Simulation<D>) -> [f64; 2] {
     let dx = simulation.model.grid.dx;
-    let middle = 2.0 + 0.14 * dx + simulation.state.solids[0].center[0];
+    let middle = 2.0 + 0.14 * dx + simulation.state.solids[0].center_of_mass()[0];
     let line = LineTracker::new(&simulation.model, &[dx / 1.5]).extract(simulation);
     let x = || line.points.iter().map(|p| p.at[0] - middle);
     [x().fold(f64::INFINITY, f64::min), x().fold(f64::NEG_INFINITY, f64::max)]

@@ -7,7 +7,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, PrescribedMotion, Simulation, Solid, Wall};
+use meniscus_sim::{Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, Wall};
 use std::sync::Arc;
 
 pub const GRAVITY: f64 = 10.0;
@@ -95,13 +95,13 @@ pub fn soft<const D: usize>(
         rotation: Matrix::identity(),
     };
     let mass: f64 = elastic.masses().iter().sum();
-    let mut solid = Solid::new(shape, Motion::Soft(Arc::new(elastic)), DENSITY);
+    let mut solid = Solid::new(shape, SolidKind::Deformable(Arc::new(elastic)), DENSITY);
     solid.mass_properties.mass = mass;
     solid
 }
 
-pub fn rigid<const D: usize>(center: Vector<D>, half_size: Vector<D>, motion: Motion<D>) -> Solid<D> {
-    Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, motion, DENSITY)
+pub fn rigid<const D: usize>(center: Vector<D>, half_size: Vector<D>, kind: SolidKind<D>) -> Solid<D> {
+    Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, kind, DENSITY)
 }
 
 pub fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: f64) -> Simulation<D> {
@@ -115,10 +115,7 @@ pub fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: 
         solids,
         numerics: Numerics { max_step, ..Numerics::default() },
     };
-    assert_eq!(
-        meniscus_sim::overlaps(&model, &model.solids.iter().map(Solid::initial_state).collect::<Vec<_>>()),
-        []
-    );
+    assert_eq!(meniscus_sim::initial_overlaps(&model), []);
     Simulation::new(model, &[])
 }
 
@@ -146,7 +143,7 @@ pub fn at<const D: usize>(first: f64, last: f64) -> Vector<D> {
 }
 
 pub fn places<const D: usize>(s: &Simulation<D>, solid: usize) -> &[Vector<D>] {
-    &s.state.solids[solid].soft.as_ref().expect("a soft solid").state.positions
+    &s.state.solids[solid].as_deformable().expect("a soft solid").vertices.positions
 }
 
 /// Momentum and angular momentum about the middle of the domain, of all solids that nothing holds.
@@ -154,13 +151,14 @@ pub fn books<const D: usize>(s: &Simulation<D>) -> (Vector<D>, Vector<3>) {
     let three = |v: &Vector<D>| Vector::<3>::from_fn(|a, _| if a < D { v[a] } else { 0.0 });
     let mut sum = (Vector::zeros(), Vector::zeros());
     for (solid, now) in s.model.solids.iter().zip(&s.state.solids) {
-        if let (Some(elastic), Some(soft)) = (solid.elastic(), &now.soft) {
-            sum.0 += elastic.momentum(&soft.state);
-            sum.1 += Vector::from(elastic.angular_momentum(&soft.state));
-        } else if solid.motion == Motion::Free {
-            sum.0 += now.velocity * solid.mass_properties.mass;
-            sum.1 += solid.angular_momentum(now)
-                + three(&now.center).cross(&three(&now.velocity)) * solid.mass_properties.mass;
+        if let Some((elastic, body)) = solid.elastic().zip(now.as_deformable()) {
+            sum.0 += elastic.momentum(&body.vertices);
+            sum.1 += Vector::from(elastic.angular_momentum(&body.vertices));
+        } else if solid.kind.is_free_rigid() {
+            let rigid = now.as_rigid();
+            sum.0 += rigid.velocity * solid.mass_properties.mass;
+            sum.1 += solid.angular_momentum(&rigid)
+                + three(&rigid.center).cross(&three(&rigid.velocity)) * solid.mass_properties.mass;
         }
     }
     sum
@@ -169,16 +167,15 @@ pub fn books<const D: usize>(s: &Simulation<D>) -> (Vector<D>, Vector<3>) {
 /// How deep vertices of solids are in others that deform or are rigid, or outside of the domain, at most, m.
 pub fn depth<const D: usize>(s: &Simulation<D>) -> f64 {
     let mut worst = f64::NEG_INFINITY;
-    for (i, now) in s.state.solids.iter().enumerate() {
-        let Some(soft) = &now.soft else { continue };
-        for x in &soft.state.positions {
+    for (i, solid) in s.solids().iter().enumerate() {
+        let Some(body) = solid.state.as_deformable() else { continue };
+        for x in &body.vertices.positions {
             worst = (0..D).map(|a| (-x[a]).max(x[a] - 1.0)).fold(worst, f64::max);
-            for (j, other) in s.state.solids.iter().enumerate().filter(|(j, _)| *j != i) {
-                worst = worst.max(-s.model.solids[j].distance(other, x));
-            }
+            let others = s.solids().iter().enumerate().filter(|(j, _)| *j != i);
+            worst = others.map(|(_, other)| -other.distance(x)).fold(worst, f64::max);
         }
     }
-    meniscus_sim::overlaps(&s.model, &s.state.solids).iter().map(|o| o.2).fold(worst, f64::max)
+    meniscus_sim::overlaps(s.solids()).iter().map(|o| o.2).fold(worst, f64::max)
 }
 
 fn drops<const D: usize>(n: usize, step: f64) {
@@ -188,9 +185,9 @@ fn drops<const D: usize>(n: usize, step: f64) {
     run(&mut simulation, 0.5, |s| {
         worst = worst.max(depth(s));
         let now = &s.state.solids[0];
-        hit |= now.velocity[D - 1] > 0.0;
+        hit |= now.velocity()[D - 1] > 0.0;
         if hit {
-            highest = highest.max(now.center[D - 1]);
+            highest = highest.max(now.center_of_mass()[D - 1]);
         }
     });
     println!("{D}D drop: height {:.3} of 0.17, depth {:.2e} dx", highest - 0.15, worst / DX);
@@ -286,7 +283,7 @@ fn slides<const D: usize>(friction: f64) {
     };
     let (normal, along) = (turned(0.0, 1.0), turned(1.0, 0.0));
     let point = Vector::repeat(0.3);
-    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
+    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, SolidKind::Fixed, 1.0);
     let (half, low) = (0.08, 0.05 * DX);
     let middle = at(0.25, 0.0);
     let middle = middle + normal * (half + low + (point - middle).dot(&normal));
@@ -306,10 +303,10 @@ fn slides<const D: usize>(friction: f64) {
     run(&mut simulation, 0.3, |s| {
         assert!(depth(s) < 0.0);
         if sticks && s.state.time < 0.1 {
-            from = s.state.solids[1].center;
+            from = s.state.solids[1].center_of_mass();
         }
     });
-    let way = (simulation.state.solids[1].center - from).dot(&along);
+    let way = (simulation.state.solids[1].center_of_mass() - from).dot(&along);
     let expected = 0.5 * GRAVITY * (alpha.sin() - friction * alpha.cos()).max(0.0) * 0.09;
     println!("{D}D incline {friction}: {way:.5} for {expected:.5}");
     assert!(
@@ -328,13 +325,13 @@ fn a_soft_block_slides_or_sticks_on_an_incline() {
 
 /// With no gap at the start but for rounding, on a floor that ends under the block.
 fn stands<const D: usize>() {
-    let floor = rigid(at(0.5, 0.25), Vector::repeat(0.125), Motion::Fixed);
+    let floor = rigid(at(0.5, 0.25), Vector::repeat(0.125), SolidKind::Fixed);
     let mesh =
         block([4; D], at(0.5, 0.5 + 1e-12), Vector::from_fn(|a, _| if a + 1 == D { 0.125 } else { 0.1875 }));
     let mut simulation = dry::<D>(vec![floor, soft(mesh, 1e4, 0.3, Vec::new())], down(), 1e-3);
-    let (start, mut worst) = (simulation.state.solids[1].center, f64::NEG_INFINITY);
+    let (start, mut worst) = (simulation.state.solids[1].center_of_mass(), f64::NEG_INFINITY);
     run(&mut simulation, 0.1, |s| worst = worst.max(depth(s)));
-    let way = (simulation.state.solids[1].center - start).norm();
+    let way = (simulation.state.solids[1].center_of_mass() - start).norm();
     println!("{D}D stands: depth {:.2e} dx, way {:.2e} dx", worst / DX, way / DX);
     // It neither sinks in nor is thrown up by more than the least reach of a barrier at the start, 0.1 of 0.25 cells (where points of
     // the floor pushed its facets it was, by 0.03 cells in 2D and 0.14 in 3D). What is no overlap in a scene is 0.01 cells.
@@ -352,12 +349,12 @@ fn ball_on_beam<const D: usize>(n: [usize; D], half: Vector<D>) {
     let ends = Anchor::within(&mesh, |x: &Vector<D>| (x[0] - 0.5).abs() > half[0] - 1e-9);
     let beam = soft(mesh, 2e5, 0.05, vec![ends]);
     let center = at(0.45, 0.55);
-    let ball = Solid::new(Shape::Ball { center, radius: 0.12 }, Motion::Free, DENSITY);
+    let ball = Solid::new(Shape::Ball { center, radius: 0.12 }, SolidKind::Rigid, DENSITY);
     let mut simulation = dry::<D>(vec![beam, ball], down(), 5e-3);
     let (mut worst, mut lowest) = (f64::NEG_INFINITY, 1.0f64);
     run(&mut simulation, 0.6, |s| {
         worst = worst.max(depth(s));
-        lowest = lowest.min(s.state.solids[1].center[D - 1]);
+        lowest = lowest.min(s.state.solids[1].center_of_mass()[D - 1]);
     });
     println!("{D}D beam: depth {:.2e} dx, lowest {lowest:.3}", worst / DX);
     assert!(worst < 0.0, "{D}D: {worst}");
@@ -376,13 +373,13 @@ fn squeezed<const D: usize>(n: [usize; D]) {
     half[D - 1] = 0.06;
     let flat = Vector::from_fn(|a, _| if a + 1 == D { 0.04 } else { 0.35 });
     let plate = soft(block(n, at(0.5, 0.36), half), 1e3, 0.1, Vec::new());
-    let floor = rigid(at(0.5, 0.25), flat, Motion::Fixed);
+    let floor = rigid(at(0.5, 0.25), flat, SolidKind::Fixed);
     let path = PrescribedMotion {
         velocity: Vector::zeros(),
         angular_velocity: [0.0; 3],
         keyframes: vec![(0.0, Vector::zeros()), (0.3, at::<D>(0.0, -0.075) - (at::<D>(0.0, 0.0)))],
     };
-    let lid = rigid(at(0.5, 0.48), flat, Motion::Prescribed(path));
+    let lid = rigid(at(0.5, 0.48), flat, SolidKind::Prescribed(path));
     let mut simulation = dry::<D>(vec![floor, plate, lid], Vector::zeros(), 5e-3);
     let mut worst = f64::NEG_INFINITY;
     run(&mut simulation, 0.5, |s| worst = worst.max(depth(s)));
@@ -402,8 +399,7 @@ fn a_soft_plate_is_squeezed() {
 fn same_place<const D: usize>() {
     let solid = || soft(block([4; D], Vector::repeat(0.5), Vector::repeat(0.1)), 1e3, 0.0, Vec::new());
     let model = Model { solids: vec![solid(), solid()], ..dry(Vec::new(), Vector::zeros(), 1.0).model };
-    let start: Vec<_> = model.solids.iter().map(Solid::initial_state).collect();
-    let deepest = meniscus_sim::overlaps(&model, &start).iter().map(|o| o.2).fold(0.0, f64::max);
+    let deepest = meniscus_sim::initial_overlaps(&model).iter().map(|o| o.2).fold(0.0, f64::max);
     assert!(deepest > 0.05, "{D}D: {deepest}");
 }
 

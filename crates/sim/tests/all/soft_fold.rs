@@ -8,7 +8,7 @@ use crate::soft_collide::{
 use meniscus_elastic::Anchor;
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{LiquidRegion, Motion, Simulation, Solid};
+use meniscus_sim::{Kinematics, LiquidRegion, Simulation, Solid, SolidKind};
 
 /// Distance of far parts of a strip with so many columns of vertices, m.
 fn own_distance(s: &Simulation<2>, columns: usize) -> f64 {
@@ -71,8 +71,8 @@ fn a_curled_strip_meets_itself() {
     strip.initial_velocity = Vector::zeros();
     let mut simulation = dry::<2>(vec![strip], Vector::zeros(), 1.0);
     // A blow that turns the free end over and over.
-    if let Some(soft) = &mut simulation.state.solids[0].soft {
-        for (x, v) in soft.state.positions.iter().zip(&mut soft.state.velocities) {
+    if let Kinematics::Deformable(body) = &mut simulation.state.solids[0].kinematics {
+        for (x, v) in body.vertices.positions.iter().zip(&mut body.vertices.velocities) {
             *v = Vector::from([0.0, 100.0 * (x[0] - 0.09).powi(2)]);
         }
     }
@@ -96,8 +96,8 @@ fn claps(n: [usize; 3], speed: f64, step: f64) {
     let half = Vector::from([0.3, 0.3, 0.012]);
     let mesh = block::<3>(n, Vector::from([0.5, 0.5, 0.3]), half);
     let mut simulation = dry::<3>(vec![soft(mesh, 100.0, 0.05, Vec::new())], Vector::zeros(), step);
-    if let Some(soft) = &mut simulation.state.solids[0].soft {
-        for (x, v) in soft.state.positions.iter().zip(&mut soft.state.velocities) {
+    if let Kinematics::Deformable(body) = &mut simulation.state.solids[0].kinematics {
+        for (x, v) in body.vertices.positions.iter().zip(&mut body.vertices.velocities) {
             let arm = x[0] - 0.47;
             *v = Vector::from([-arm, 0.1 * arm, 3.0 * arm.abs() - 0.3]) * speed;
         }
@@ -142,7 +142,7 @@ fn edges_first<const D: usize>(n: [usize; D], speed: f64) {
     let mut solids = vec![plate(1.4, 0.6, at(0.25, 0.5)), plate(0.1, 0.2, at(0.62, 0.52))];
     solids[0].initial_velocity[0] = speed;
     solids[1].initial_velocity[0] = -speed;
-    solids.push(rigid(at(0.5, 0.15), Vector::repeat(0.08), Motion::Free));
+    solids.push(rigid(at(0.5, 0.15), Vector::repeat(0.08), SolidKind::Rigid));
     solids[2].initial_velocity[D - 1] = 0.7 * speed;
     let mut simulation = dry::<D>(solids, Vector::zeros(), 1.0);
     let start = books(&simulation);
@@ -182,7 +182,7 @@ fn heaps<const D: usize>(n: usize, time: f64) {
             _ => 0.5 + 0.01 * (k % 4) as f64,
         });
         solids.push(if k % 4 == 3 {
-            Solid::new(Shape::Ball { center: place, radius: 0.12 }, Motion::Free, DENSITY)
+            Solid::new(Shape::Ball { center: place, radius: 0.12 }, SolidKind::Rigid, DENSITY)
         } else {
             soft(ball(n, place, 0.12), 300.0, 0.1, Vec::new())
         });

@@ -5,15 +5,14 @@
 use crate::soft_collide::{DENSITY, block, down, dry, places, run, soft};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LiquidRegion, Model, Numerics, Simulation, Wall};
+use meniscus_sim::{Kinematics, LiquidRegion, Model, Numerics, Simulation, Wall};
 
 /// Sets a soft solid spinning, rad/s, about its centre.
 fn spin(s: &mut Simulation<2>, omega: f64) {
-    let now = &mut s.state.solids[0];
-    let center = now.center;
-    let body = &mut now.soft.as_mut().expect("soft").state;
-    for (v, x) in body.velocities.iter_mut().zip(&body.positions) {
-        *v = Vector::<2>::from([center[1] - x[1], x[0] - center[0]]) * omega;
+    if let Kinematics::Deformable(body) = &mut s.state.solids[0].kinematics {
+        for (v, x) in body.vertices.velocities.iter_mut().zip(&body.vertices.positions) {
+            *v = Vector::<2>::from([body.center[1] - x[1], x[0] - body.center[0]]) * omega;
+        }
     }
 }
 
@@ -42,7 +41,7 @@ fn stirred(iterations: u32) -> Vec<Vector<2>> {
         Simulation::new(model, &[LiquidRegion { signed_distance: &level, velocity: Vector::zeros() }]);
     spin(&mut s, 8.0);
     s.step(f64::INFINITY, &mut |_| ()).expect("a step");
-    s.state.solids[0].soft.as_ref().expect("soft").state.velocities.clone()
+    s.state.solids[0].as_deformable().expect("soft").vertices.velocities.clone()
 }
 
 /// With the liquid's pressure in them, iterations come to an end: those beyond what Newton's method asks for itself change little, and

@@ -31,8 +31,8 @@ fn what_is_under_liquid_is_pressed_by_its_tension() {
     let mut simulation =
         Simulation::new(model, &[LiquidRegion { signed_distance: &level, velocity: Vector::zeros() }]);
     let area = |s: &Simulation<2>| -> f64 {
-        let (elastic, now) = (s.model.solids[0].elastic().expect("soft"), &s.state.solids[0].soft);
-        let x = &now.as_ref().expect("soft").state.positions;
+        let elastic = s.model.solids[0].elastic().expect("soft");
+        let x = &s.state.solids[0].as_deformable().expect("soft").vertices.positions;
         elastic.rest_mesh().simplices.iter().map(|simplex| simplex.volume(x)).sum()
     };
     let rest = area(&simulation);

@@ -7,7 +7,7 @@ use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    ContactLine, LineTracker, LiquidRegion, Model, Motion, Numerics, Simulation, Solid, SolidState, Wall,
+    ContactLine, LineTracker, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, SolidState, Wall,
 };
 
 /// A box of `size` with closed sides, `cells` cells a unit of length.
@@ -70,7 +70,7 @@ fn a_drop_on_a_wall_is_one_on_a_half_space() {
     for angle in [60.0f64, 120.0] {
         let (center, up) = (Vector::<2>::new(1.87, 0.0), Vector::<2>::new(0.0, 1.0));
         let mut on_wall = ball(walled(12, Vector::<2>::new(4.0, 2.5), angle), center);
-        let mut solid = Solid::new(Shape::HalfSpace { point: up, normal: up }, Motion::Fixed, 1.0);
+        let mut solid = Solid::new(Shape::HalfSpace { point: up, normal: up }, SolidKind::Fixed, 1.0);
         solid.young_cosine = angle.to_radians().cos();
         let wide = Model { solids: vec![solid], ..model(12, Vector::<2>::new(4.0, 3.5)) };
         let mut on_solid = ball(wide, center + up);
@@ -147,7 +147,7 @@ fn thrown(angle: Option<f64>) -> SolidState<2> {
     model.gravity[1] = -1.0;
     model.numerics.fixed_step = Some(0.02);
     let shape = Shape::Ball { center: Vector::<2>::new(4.5, 2.0), radius: 0.5 };
-    let mut thrown = Solid::new(shape, Motion::Free, 1.0);
+    let mut thrown = Solid::new(shape, SolidKind::Rigid, 1.0);
     thrown.initial_velocity = Vector::<2>::new(0.7, 0.0);
     model.solids.push(thrown);
     let model = match angle {
@@ -161,7 +161,7 @@ fn thrown(angle: Option<f64>) -> SolidState<2> {
 
 #[test]
 fn solids_run_into_walls_that_wet_as_into_others() {
-    let (mirror, wet) = (thrown(None), thrown(Some(70.0)));
+    let [mirror, wet] = [None, Some(70.0)].map(|angle| thrown(angle).as_rigid());
     println!("{} {}", mirror.center, wet.center);
     assert!((mirror.center - wet.center).norm() < 1e-12 && (mirror.velocity - wet.velocity).norm() < 1e-12);
     assert!(mirror.center[1] < 1.0, "it never fell");

@@ -114,6 +114,7 @@ static GROUPS: [Group; 6] = [
             soft::soft_moment::CASE,
             soft::edge_pinned::CASE,
             soft::soft_tank::CASE,
+            soft::soft_tension::CASE,
             soft::soft_release::CASE,
             soft::newton::CASE,
             soft::soft_impact::CASE,

@@ -54,10 +54,10 @@ pub struct SolidMotion<const D: usize> {
 /// The motion of a deformable solid; zero for a rigid one.
 pub fn soft_motion<const D: usize>(sim: &Simulation<D>, solid: usize) -> SolidMotion<D> {
     let (momentum, angular_momentum) = (Vector::zeros(), Vector::<3>::zeros());
-    let soft = sim.model.solids[solid].elastic().zip(sim.state.solids[solid].soft.as_ref());
-    soft.map_or(SolidMotion { momentum, angular_momentum, mass: 0.0 }, |(elastic, soft)| SolidMotion {
-        momentum: elastic.momentum(&soft.state),
-        angular_momentum: Vector::from(elastic.angular_momentum(&soft.state)),
+    let body = sim.model.solids[solid].elastic().zip(sim.state.solids[solid].as_deformable());
+    body.map_or(SolidMotion { momentum, angular_momentum, mass: 0.0 }, |(elastic, body)| SolidMotion {
+        momentum: elastic.momentum(&body.vertices),
+        angular_momentum: Vector::from(elastic.angular_momentum(&body.vertices)),
         mass: elastic.masses().iter().sum(),
     })
 }
@@ -74,9 +74,8 @@ pub fn liquid_force(sim: &Simulation<2>, solid: usize) -> Vector<2> {
 /// on the anchored vertices, minus the weight of the free ones, equal the load of the liquid. This holds at rest, and for means over
 /// time. None for a rigid solid.
 pub fn external_load(sim: &Simulation<2>, solid: usize, point: &Vector<2>) -> Option<Wrench> {
-    let soft = sim.state.solids[solid].soft.as_ref()?;
     let elastic = sim.model.solids[solid].elastic()?;
-    let positions = &soft.state.positions;
+    let positions = &sim.state.solids[solid].as_deformable()?.vertices.positions;
     let mut all = Wrench { force: Vector::zeros(), moment: 0.0 };
     let vertices =
         elastic.forces(positions).into_iter().zip(positions).zip(elastic.anchored()).zip(elastic.masses());

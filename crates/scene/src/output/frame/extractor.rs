@@ -2,11 +2,10 @@
 
 use super::{Attribute, Frame, FrameMesh};
 use crate::job::padded_to_3d;
-use meniscus_elastic::Elastic;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Sampler};
 use meniscus_numerics::mesh::{SurfaceMesh, isosurface};
-use meniscus_sim::{ContactLine, LinePoint, LineTracker, Model, Simulation, Soft};
+use meniscus_sim::{ContactLine, LinePoint, LineTracker, Model, Simulation, SolidView};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -59,7 +58,7 @@ impl<const D: usize> FrameExtractor<D> {
     pub fn frame(&self, simulation: &Simulation<D>, line: &ContactLine<D>) -> Result<Frame, NotFinite> {
         let Simulation { model, state, .. } = simulation;
         let solid = |(number, name): (usize, &String)| {
-            let surface = self.tracker.surface(model, &state.solids, number);
+            let surface = self.tracker.surface(simulation.solids(), number);
             (name.clone(), solid(simulation, number, &surface, line))
         };
         Ok(Frame {
@@ -143,9 +142,7 @@ fn solid<const D: usize>(
     phi_c.resize(mesh.positions.len(), 0.0);
     let meaning = "signed distance to the contact line along the surface, negative where wetted";
     mesh.attributes.push(Attribute { name: "phi_c", unit: "m", meaning, values: phi_c });
-    if let Some((elastic, soft)) = soft_state(simulation, number) {
-        mesh.attributes.extend(deformation(elastic, soft));
-    }
+    mesh.attributes.extend(deformation(simulation.solid(number)));
     let young = young_angles(simulation, number, &surface.positions);
     if !young.is_empty() {
         let meaning = "Young's contact angle through the liquid";
@@ -154,15 +151,17 @@ fn solid<const D: usize>(
     mesh
 }
 
-/// Displacement and strain of a deformable solid at the vertices of its surface.
-fn deformation<const D: usize>(elastic: &Elastic<D>, soft: &Soft<D>) -> Vec<Attribute> {
-    let (rest, strains) = (&elastic.rest_mesh().positions, elastic.strains(&soft.state.positions));
+/// Displacement and strain of a deformable solid at the vertices of its surface; none of a rigid one.
+fn deformation<const D: usize>(solid: SolidView<'_, D>) -> Vec<Attribute> {
+    let Some((elastic, body)) = solid.elastic().zip(solid.state.as_deformable()) else { return Vec::new() };
+    let (rest, now) = (&elastic.rest_mesh().positions, &body.vertices.positions);
+    let strains = elastic.strains(now);
     let of = |value: &dyn Fn(usize) -> f64| {
-        soft.surface.volume_vertices().iter().map(|v| value(*v as usize)).collect()
+        solid.surface.volume_vertices().iter().map(|v| value(*v as usize)).collect()
     };
     let mut all: Vec<Attribute> = Vec::new();
     for (a, name) in DISPLACEMENT.into_iter().enumerate() {
-        let displacement = |v: usize| padded_to_3d(&(soft.state.positions[v] - rest[v]))[a];
+        let displacement = |v: usize| padded_to_3d(&(now[v] - rest[v]))[a];
         let meaning = "displacement from the position at rest";
         all.push(Attribute { name, unit: "m", meaning, values: of(&displacement) });
     }
@@ -171,19 +170,13 @@ fn deformation<const D: usize>(elastic: &Elastic<D>, soft: &Soft<D>) -> Vec<Attr
     all
 }
 
-/// A deformable solid and its state.
-fn soft_state<const D: usize>(simulation: &Simulation<D>, number: usize) -> Option<(&Elastic<D>, &Soft<D>)> {
-    let soft = simulation.state.solids[number].soft.as_ref();
-    simulation.model.solids[number].elastic().zip(soft)
-}
-
 /// Young's angle, degrees, at points of a solid with a pattern.
 fn young_angles<const D: usize>(simulation: &Simulation<D>, number: usize, points: &[Vector<D>]) -> Vec<f64> {
-    let (solid, now) = (&simulation.model.solids[number], &simulation.state.solids[number]);
+    let solid = simulation.solid(number);
     if solid.pattern.is_empty() {
         return Vec::new();
     }
-    let cosine = |x: &Vector<D>| solid.young_cosine_near(now, x, simulation.model.grid.dx);
+    let cosine = |x: &Vector<D>| solid.young_cosine_near(x, simulation.model.grid.dx);
     points.par_iter().map(|x| cosine(x).clamp(-1.0, 1.0).acos().to_degrees()).collect()
 }
 

@@ -2,8 +2,8 @@
 
 use super::Overlap;
 use super::surfaces::DeformableSurfaces;
-use crate::model::{Model, Wall};
-use crate::solid::SolidState;
+use crate::model::Wall;
+use crate::solid::{Kinematics, Solids};
 use meniscus_contact::broad_phase::{Aabb, overlapping_pairs};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
@@ -14,17 +14,16 @@ use meniscus_numerics::shape::SurfaceSample;
 
 /// Overlaps of deformable solids with sides, rigid solids, each other and themselves. Anchored vertices may be beyond a side or inside a
 /// solid with prescribed motion.
-pub fn soft_overlaps<const D: usize>(
-    model: &Model<D>,
-    solids: &[SolidState<D>],
+pub fn deformable_overlaps<const D: usize>(
+    solids: Solids<'_, D>,
     probes: &[Vec<SurfaceSample<D>>],
 ) -> Vec<Overlap> {
-    let surfaces = DeformableSurfaces::new(solids);
+    let (model, surfaces) = (solids.model, DeformableSurfaces::new(solids));
     let mut all = Vec::new();
-    for (i, now) in solids.iter().enumerate() {
-        let (Some(soft), Some(elastic)) = (&now.soft, model.solids[i].elastic()) else { continue };
-        let vertices = &soft.surface.mesh.positions;
-        let is_anchored = |k: usize| elastic.anchored()[soft.surface.volume_vertices()[k] as usize];
+    for (i, one) in solids.iter().enumerate() {
+        let Some((elastic, body)) = one.elastic().zip(one.state.as_deformable()) else { continue };
+        let vertices = &one.surface.mesh.positions;
+        let is_anchored = |k: usize| elastic.anchored()[one.surface.volume_vertices()[k] as usize];
         let unanchored: Vec<Vector<D>> =
             (0..vertices.len()).filter(|k| !is_anchored(*k)).map(|k| vertices[k]).collect();
         let upper = model.grid.domain_upper();
@@ -40,22 +39,22 @@ pub fn soft_overlaps<const D: usize>(
         for (j, other) in
             solids.iter().enumerate().filter(|(j, _)| *j != i && model.wetting_wall_solid() != Some(*j))
         {
-            let solid = &model.solids[j];
-            let within = |x: &Vector<D>| -solid.distance(other, x);
+            let within = |x: &Vector<D>| -other.distance(x);
             // Anchored vertices may lie inside a solid with prescribed motion.
-            let is_prescribed = solid.motion.is_prescribed();
+            let is_prescribed = other.kind.is_prescribed();
             let mut depth =
                 if is_prescribed { &unanchored } else { vertices }.iter().map(within).fold(0.0, f64::max);
             let is_anchored_inside =
                 is_prescribed && (0..vertices.len()).any(|k| is_anchored(k) && within(&vertices[k]) >= 0.0);
-            if other.soft.is_none() && !is_anchored_inside {
-                let inside = |p: &SurfaceSample<D>| {
-                    p.radius - soft.surface.distance(&solid.to_current(other, &p.position))
-                };
+            if let Kinematics::Rigid(rigid) = &other.state.kinematics
+                && !is_anchored_inside
+            {
+                let at = |p: &SurfaceSample<D>| other.to_current(rigid, &p.position);
+                let inside = |p: &SurfaceSample<D>| p.radius - one.surface.distance(&at(p));
                 depth = probes[j].iter().map(inside).fold(depth, f64::max);
             }
             // Coincident surfaces are ambiguous; element centres are not.
-            depth = element_centers(&soft.state.positions, elastic.rest_mesh(), solid.bounds(other))
+            depth = element_centers(&body.vertices.positions, elastic.rest_mesh(), other.bounds())
                 .filter(|_| !is_anchored_inside)
                 .map(|x| within(&x))
                 .fold(depth, f64::max);

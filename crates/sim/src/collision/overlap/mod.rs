@@ -7,7 +7,7 @@ mod deformable;
 mod rigid;
 mod surfaces;
 
-pub use rigid::overlaps;
+pub use rigid::{initial_overlaps, overlaps};
 
 /// Numbers of two overlapping solids, and the depth, m. `None` is a side of the domain; equal numbers are a self-intersection.
 pub type Overlap = (usize, Option<usize>, f64);

@@ -1,6 +1,6 @@
 //! Surfaces of deformable solids: points, facets and edges.
 
-use crate::solid::SolidState;
+use crate::solid::Solids;
 use meniscus_numerics::Vector;
 
 /// Surfaces of all deformable solids.
@@ -17,15 +17,14 @@ pub struct DeformableSurfaces<const D: usize> {
 
 impl<const D: usize> DeformableSurfaces<D> {
     /// Surfaces in the current configuration.
-    pub fn new(solids: &[SolidState<D>]) -> Self {
+    pub fn new(solids: Solids<'_, D>) -> Self {
         let mut skins =
             Self { positions: Vec::new(), owner: Vec::new(), facets: Vec::new(), edges: Vec::new() };
-        for (solid, now) in solids.iter().enumerate() {
-            let Some(soft) = &now.soft else { continue };
-            let first = skins.positions.len() as u32;
-            skins.positions.extend_from_slice(&soft.surface.mesh.positions);
-            skins.owner.resize(skins.positions.len(), solid);
-            skins.facets.extend(soft.surface.mesh.facets.iter().map(|f| f.map(|v| v + first)));
+        for (number, solid) in solids.iter().enumerate() {
+            let (first, mesh) = (skins.positions.len() as u32, &solid.surface.mesh);
+            skins.positions.extend_from_slice(&mesh.positions);
+            skins.owner.resize(skins.positions.len(), number);
+            skins.facets.extend(mesh.facets.iter().map(|f| f.map(|v| v + first)));
         }
         if D == 3 {
             let sides =

@@ -47,7 +47,7 @@ impl<const D: usize> Potential<'_, D> {
     pub fn settling_time(&self) -> f64 {
         let [_, _, bend] = self.barrier.derivatives_by_distance(0.5 * self.barrier.activation_distance);
         let of = |(k, part): (usize, &SolidTerm<'_, D>)| match part {
-            SolidTerm::Free(rigid) if self.points.mean_side_areas[k] > 0.0 => {
+            SolidTerm::Rigid(rigid) if self.points.mean_side_areas[k] > 0.0 => {
                 2.0 * (rigid.mass / (bend * self.points.mean_side_areas[k] * self.barrier_stiffness(k, None)))
                     .sqrt()
             }

@@ -30,9 +30,9 @@ pub struct RigidTerm<const D: usize> {
 #[derive(Clone, Debug)]
 pub enum SolidTerm<'a, const D: usize> {
     /// A deformable solid.
-    Soft(IncrementalPotential<'a, D>),
+    Deformable(IncrementalPotential<'a, D>),
     /// A free rigid solid.
-    Free(RigidTerm<D>),
+    Rigid(RigidTerm<D>),
     /// A solid with prescribed motion.
     Prescribed,
 }
@@ -123,8 +123,8 @@ impl<'a, const D: usize> Potential<'a, D> {
     fn own_value(&self, k: usize, part: &SolidTerm<'a, D>, velocities: &[Vector<D>]) -> f64 {
         let own = &velocities[self.points.first_node[k]..];
         match part {
-            SolidTerm::Soft(soft) => soft.value(&own[..soft.impulses.len()]),
-            SolidTerm::Free(rigid) => {
+            SolidTerm::Deformable(soft) => soft.value(&own[..soft.impulses.len()]),
+            SolidTerm::Rigid(rigid) => {
                 let off = [own[0] - rigid.target_velocities[0], own[1] - rigid.target_velocities[1]];
                 0.5 * (rigid.mass * off[0].norm_squared() + off[1].dot(&(rigid.inertia * off[1])))
             }
@@ -137,8 +137,8 @@ impl<'a, const D: usize> Potential<'a, D> {
         let of = |(part, first): (&SolidTerm<'a, D>, &usize)| {
             let own = &velocities[*first..];
             match part {
-                SolidTerm::Soft(soft) => soft.gradient(&own[..soft.impulses.len()]),
-                SolidTerm::Free(rigid) => vec![
+                SolidTerm::Deformable(soft) => soft.gradient(&own[..soft.impulses.len()]),
+                SolidTerm::Rigid(rigid) => vec![
                     (own[0] - rigid.target_velocities[0]) * rigid.mass,
                     rigid.inertia * (own[1] - rigid.target_velocities[1]),
                 ],
@@ -191,7 +191,7 @@ impl<'a, const D: usize> Potential<'a, D> {
     ) -> Option<BlockMatrix<D>> {
         let mut parts = Vec::new();
         for (part, first) in self.parts.iter().zip(&self.points.first_node) {
-            if let SolidTerm::Soft(soft) = part {
+            if let SolidTerm::Deformable(soft) = part {
                 parts.push(soft.hessian(&velocities[*first..first + soft.impulses.len()], project_positive)?);
             }
         }
@@ -210,7 +210,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         let mut matrix = assembly.matrix(&parts, structure.as_ref()?);
         for (k, part) in self.parts.iter().enumerate() {
             let node = self.points.first_node[k] as u32;
-            if let SolidTerm::Free(rigid) = part {
+            if let SolidTerm::Rigid(rigid) = part {
                 let _ = matrix.add(node, node, &(Matrix::identity() * rigid.mass));
                 let _ = matrix.add(node + 1, node + 1, &rigid.inertia);
             }
@@ -290,7 +290,7 @@ impl<'a, const D: usize> Potential<'a, D> {
             }
         }
         for (k, solid) in self.parts.iter().enumerate() {
-            if let SolidTerm::Soft(soft) = solid {
+            if let SolidTerm::Deformable(soft) = solid {
                 let own = self.points.first_node[k]..self.points.first_node[k] + soft.impulses.len();
                 part =
                     part.min(soft.inversion_free_fraction(&from[own.clone()], &change[own], kept_fraction));

@@ -5,7 +5,7 @@ use crate::collision::points::angular_to_node;
 use crate::coupling::impulses::CouplingImpulses;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
-use crate::solid::{Motion, Solid, SolidState};
+use crate::solid::{Kinematics, RigidKinematics, Solid, SolidKind, SolidState};
 use meniscus_elastic::{Elastic, ElasticState, IncrementalPotential, StiffnessBlock};
 use meniscus_numerics::{Matrix, Vector};
 
@@ -32,7 +32,7 @@ impl<const D: usize> DeformableLoads<D> {
             line.point_impulses
                 .get(&(k as u32))
                 .iter()
-                .for_each(|grips| crate::solid::deformable::distribute_to_vertices(grips, &mut impulses));
+                .for_each(|grips| crate::solid::surface::distribute_to_vertices(grips, &mut impulses));
             Some(Self { impulses, extra_stiffness })
         };
         extra_stiffness.into_iter().enumerate().map(start).collect()
@@ -48,18 +48,20 @@ pub fn solid_terms<'a, const D: usize>(
     loads: &'a [Option<DeformableLoads<D>>],
     times: StepTimes,
 ) -> Vec<SolidTerm<'a, D>> {
-    let term = |k: usize| match (&model.solids[k].motion, &loads[k], &before[k].soft) {
-        (Motion::Soft(elastic), Some(loads), Some(soft)) => {
-            SolidTerm::Soft(soft_term(elastic, &soft.state, loads, times))
+    let term = |k: usize| match (&model.solids[k].kind, &before[k].kinematics, &loads[k]) {
+        (SolidKind::Deformable(elastic), Kinematics::Deformable(body), Some(loads)) => {
+            SolidTerm::Deformable(deformable_term(elastic, &body.vertices, loads, times))
         }
-        (Motion::Free, ..) => SolidTerm::Free(rigid_term(&model.solids[k], &before[k], &forced[k])),
+        (SolidKind::Rigid, Kinematics::Rigid(rigid), _) => {
+            SolidTerm::Rigid(rigid_term(&model.solids[k], rigid, &forced[k].as_rigid()))
+        }
         _ => SolidTerm::Prescribed,
     };
     (0..model.solids.len()).map(term).collect()
 }
 
 /// The term of a deformable solid under these loads; what lags in it is not evaluated yet.
-fn soft_term<'a, const D: usize>(
+fn deformable_term<'a, const D: usize>(
     elastic: &'a Elastic<D>,
     state: &'a ElasticState<D>,
     loads: &'a DeformableLoads<D>,
@@ -83,8 +85,8 @@ fn soft_term<'a, const D: usize>(
 /// The term of a free rigid solid, which is least at the velocities of `forced`.
 fn rigid_term<const D: usize>(
     solid: &Solid<D>,
-    before: &SolidState<D>,
-    forced: &SolidState<D>,
+    before: &RigidKinematics<D>,
+    forced: &RigidKinematics<D>,
 ) -> RigidTerm<D> {
     let inertia = solid.inertia(before);
     RigidTerm {

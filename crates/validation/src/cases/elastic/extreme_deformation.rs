@@ -16,7 +16,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Motion, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::TAU;
 
 /// The case.
@@ -165,7 +165,7 @@ fn slit<const D: usize>(n: [usize; D]) -> Result<Vec<Check>, StepError> {
             let axis = Vector::from_fn(|a, _| if a == 1 { 1.0 } else { 0.0 });
             Shape::Cylinder { center, axis, radius: POST, height: 0.6 }
         };
-        solids.push(Solid::new(shape, Motion::Fixed, 1.0));
+        solids.push(Solid::new(shape, SolidKind::Fixed, 1.0));
     }
     let mut simulation = without_walls(solids);
     let mut checks =

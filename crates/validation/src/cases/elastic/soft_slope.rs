@@ -12,7 +12,7 @@ use meniscus_elastic::Anchor;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Simulation, Solid, SolidKind, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -77,7 +77,7 @@ fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
     };
     let (normal, along) = (turned(0.0, 1.0), turned(1.0, 0.0));
     let point = Vector::repeat(0.4);
-    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, Motion::Fixed, 1.0);
+    let mut floor = Solid::new(Shape::HalfSpace { point, normal }, SolidKind::Fixed, 1.0);
     floor.friction = friction;
     let middle = point_at::<D>(0.2, 0.0);
     let middle = middle + normal * (HALF_SIZE + 0.2 * DX + (point - middle).dot(&normal));
@@ -113,7 +113,7 @@ fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
 
 fn check_slope<const D: usize>(kind: &str, slope: Slope<D>, friction: f64) -> Result<Vec<Check>, StepError> {
     let Slope { mut simulation, along } = slope;
-    let place = |s: &Simulation<D>| s.state.solids[1].center.dot(&along);
+    let place = |s: &Simulation<D>| s.state.solids[1].center_of_mass().dot(&along);
     let scale = simulation.model.solids[1].mass_properties.mass * GRAVITY * 2.0 * HALF_SIZE;
     let free = GRAVITY * SLOPE_ANGLE.sin();
     let acceleration_expected = free - friction * GRAVITY * SLOPE_ANGLE.cos();

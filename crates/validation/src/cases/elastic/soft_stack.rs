@@ -87,7 +87,7 @@ fn measure_stack<const D: usize>(
     time: f64,
 ) -> Result<StackMeasure, StepError> {
     run_to(simulation, rest, |s, report| watch.observe(s, &report.diagnostics, true))?;
-    let start: Vec<Vector<D>> = simulation.state.solids.iter().map(|s| s.center).collect();
+    let start: Vec<Vector<D>> = simulation.state.solids.iter().map(|s| s.center_of_mass()).collect();
     let mut found = StackMeasure { contact_loads: [0.0; BLOCKS], steps: 0.0, drift: [0.0; 2] };
     run_to(simulation, rest + time, |s, report| {
         watch.observe(s, &report.diagnostics, true);
@@ -95,7 +95,7 @@ fn measure_stack<const D: usize>(
         found.steps += 1.0;
         for ((now, then), load) in solids.iter().zip(&start).zip(&mut found.contact_loads) {
             *load += now.contact_acceleration[D - 1] / GRAVITY;
-            let off = now.center - then;
+            let off = now.center_of_mass() - then;
             found.drift[0] = found.drift[0].max(off.rows(0, D - 1).norm());
             found.drift[1] = found.drift[1].max(off[D - 1].abs());
         }

@@ -7,7 +7,7 @@ use crate::{Case, Check};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Motion, Solid, StepError};
+use meniscus_sim::{Solid, SolidKind, StepError};
 
 /// Bouncing water drops.
 pub const CASE: Case = Case {
@@ -55,7 +55,7 @@ fn bounce(cells: usize, weber: f64) -> Result<Bounce, StepError> {
     let grid = Grid::<3>::new([size(2.0 * half), size(2.0 * half), size(4.5)], dx);
     let mut point = grid.domain_upper() * 0.5 + Vector::<3>::new(0.141 * dx, 0.273 * dx, 0.0);
     point[2] = 0.3 + 0.3 * dx;
-    let mut wall = Solid::new(Shape::HalfSpace { point, normal: Vector::<3>::z() }, Motion::Fixed, 1.0);
+    let mut wall = Solid::new(Shape::HalfSpace { point, normal: Vector::<3>::z() }, SolidKind::Fixed, 1.0);
     wall.young_cosine = -1.0;
     let mut model = sessile_model(grid, wall);
     model.kinematic_viscosity = 0.0037;

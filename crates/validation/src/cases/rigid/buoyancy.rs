@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Solid, StepError, Wall};
+use meniscus_sim::{Model, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Light floating solids.
@@ -48,7 +48,7 @@ fn check_floating_height(density: f64, cells: usize, time: f64) -> Result<Check,
     let mut sim = Tank { bond, angle: 90.0, density, cells, width: 6.0, center }.start::<2>(&|_| 0.0);
     sim.model.numerics.max_step = 0.1;
     run_to(&mut sim, time, |_, _| ())?;
-    let found = sim.state.solids[0].center[1] - level_at_sides(&sim);
+    let found = sim.state.solids[0].center_of_mass()[1] - level_at_sides(&sim);
     let text = format!("centre / R, D = {density}, {cells} cells/R");
     Ok(Check::absolute("buoyancy", text, found, expected, bars(0.02, 0.01)))
 }
@@ -76,23 +76,23 @@ fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check
     let all = block(center, Vector::repeat(2.0 * ratio));
     let hole = Shape::Ball { center, radius: ratio };
     let shell = Shape::Difference { of: Box::new(all), minus: Box::new(hole) };
-    let inner = Solid::new(Shape::Ball { center, radius: 1.0 }, Motion::Free, density);
+    let inner = Solid::new(Shape::Ball { center, radius: 1.0 }, SolidKind::Rigid, density);
     let model = Model {
         surface_tension: 0.0,
         gravity: up(-1.0),
-        solids: vec![inner, Solid::new(shell, Motion::Fixed, 1.0)],
+        solids: vec![inner, Solid::new(shell, SolidKind::Fixed, 1.0)],
         ..unit_model(grid, [[Wall::Slip; 2]; D])
     };
     let (d, outer) = (D as f64 - 1.0, ratio.powi(D as i32));
     let expected = (outer + d) / (d * (outer - 1.0));
     let full = |x: &Vector<D>| x[D - 1] - 100.0 * ratio;
     let mut sim = at_rest(model, &full);
-    let start = sim.state.solids[0].center[D - 1];
+    let start = sim.state.solids[0].center_of_mass()[D - 1];
     let time = (2.0 * way * (density + expected) / (1.0 - density).abs()).sqrt();
     for _ in 0..STEPS {
         sim.step(time / f64::from(STEPS), &mut |_| ())?;
     }
-    let risen = sim.state.solids[0].center[D - 1] - start;
+    let risen = sim.state.solids[0].center_of_mass()[D - 1] - start;
     let found = 0.5 * (1.0 - density) * sim.state.time.powi(2) / risen - density;
     let text = format!("added over displaced mass, {D}D, Ro/Ri = {ratio}, D = {density}");
     Ok(Check::relative("added-mass", text, found, expected, bars(0.04, 0.01)))

@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Floating and sinking solids.
@@ -164,7 +164,7 @@ impl Tank {
         let level = initial_level();
         let mut middle = grid.domain_upper() * 0.5;
         middle[D - 1] = level + center;
-        let mut body = Solid::new(Shape::Ball { center: middle, radius: 1.0 }, Motion::Free, density);
+        let mut body = Solid::new(Shape::Ball { center: middle, radius: 1.0 }, SolidKind::Rigid, density);
         body.young_cosine = angle.to_radians().cos();
         let mut walls = [[Wall::Slip; 2]; D];
         walls[D - 1][1] = Wall::Open;
@@ -225,8 +225,9 @@ fn floats_at(bond: f64, angle: f64, cells: usize, time: f64) -> Result<Vec<Check
     let surface = |r: f64| -line.depth * (-(r - edge).max(0.0) / length).exp();
     let center = line.center + RELEASE_HEIGHT;
     let mut sim = Tank { bond, angle, density: 2.0, cells, width: 6.0 * length, center }.start::<2>(&surface);
-    let height =
-        |sim: &Simulation<2>| sim.state.solids[0].center[1] - undisturbed_level(sim, edge, line.depth);
+    let height = |sim: &Simulation<2>| {
+        sim.state.solids[0].center_of_mass()[1] - undisturbed_level(sim, edge, line.depth)
+    };
     run_to(&mut sim, 0.75 * time, |_, _| ())?;
     let before = height(&sim);
     run_to(&mut sim, time, |_, _| ())?;
@@ -266,7 +267,7 @@ fn sphere_floats_at(cells: usize) -> Result<Vec<Check>, StepError> {
         Tank { bond: 1.0, angle: 120.0, density: 2.0, cells, width: 4.0, center: center + RELEASE_HEIGHT };
     let mut sim = tank.start::<3>(&surface);
     run_to(&mut sim, 0.5 * TIME, |_, _| ())?;
-    let found = sim.state.solids[0].center[2] - level_by_pressure(&sim);
+    let found = sim.state.solids[0].center_of_mass()[2] - level_by_pressure(&sim);
     let text = format!("centre / R, 3D, Bo = 1, θ = 120°, {cells} cells/R");
     Ok(vec![Check::absolute(FLOATING, text, found, center, bars(0.06, 0.02))])
 }
@@ -289,7 +290,7 @@ fn force(angle: f64, height: f64, cells: usize) -> Result<Vec<Check>, StepError>
     let cylinder = Cylinder { bond: fall * radius * radius / tension, angle: f64::to_radians(angle) };
     let (bond, width) = (cylinder.bond, 6.0 / cylinder.bond.sqrt());
     let mut sim = Tank { bond, angle, density: 1.0, cells, width, center: height }.start::<2>(&|_| 0.0);
-    sim.model.solids[0].motion = Motion::Fixed;
+    sim.model.solids[0].kind = SolidKind::Fixed;
     // In units of R, ρ and g; forces in ρ g R².
     let mut mean = (0.0, 0.0);
     run_to(&mut sim, 0.5 * TIME, |sim, report| {
@@ -301,7 +302,7 @@ fn force(angle: f64, height: f64, cells: usize) -> Result<Vec<Check>, StepError>
     })?;
     let scale = fall * radius * radius;
     let found = mean.0 / mean.1 * scale;
-    let center = sim.state.solids[0].center[1];
+    let center = sim.state.solids[0].center_of_mass()[1];
     let near = cylinder.line_at_height(center - level_at_sides(&sim));
     let above = center - undisturbed_level(&sim, near.polar.sin(), near.depth);
     let expected = cylinder.line_at_height(above).force * tension;

@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, PrescribedMotion, Repairs, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, PrescribedMotion, Repairs, Simulation, Solid, SolidKind, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -90,7 +90,7 @@ fn start<const D: usize>(wall: CupWall, angle: f64) -> Simulation<D> {
     let center = grid.domain_upper() * 0.5 + crate::setup::grid_offset(dx);
     let shape = |half_size: f64| block(center, Vector::repeat(half_size));
     let hollow = Shape::Difference { of: Box::new(shape(1.0 + thickness)), minus: Box::new(shape(1.0)) };
-    let cup = Solid::new(hollow, Motion::Prescribed(cup_path()), 1.0);
+    let cup = Solid::new(hollow, SolidKind::Prescribed(cup_path()), 1.0);
     let mut cup = if wall.padded { cup.padded(thickness, dx) } else { cup };
     cup.young_cosine = angle.to_radians().cos();
     let model = Model {
@@ -137,11 +137,11 @@ fn check_shaken_cup<const D: usize>(wall: CupWall, angle: f64) -> Result<Vec<Che
 /// Volume of the parts of liquid cells beyond a wall of the given thickness.
 fn volume_beyond_wall<const D: usize>(sim: &Simulation<D>, wall: f64) -> f64 {
     const FINE: usize = 4;
-    let (cup, now) = (&sim.model.solids[0], &sim.state.solids[0]);
+    let (cup, now) = (&sim.model.solids[0], sim.state.solids[0].as_rigid());
     let grid = sim.model.grid;
     let half_size = Vector::repeat(1.0 + wall * grid.dx);
     let hull = block(cup.mass_properties.center, half_size);
-    let outside = |x: &Vector<D>| hull.signed_distance(&cup.to_reference(now, x)) > 0.0;
+    let outside = |x: &Vector<D>| hull.signed_distance(&cup.to_reference(&now, x)) > 0.0;
     let row = grid.cells[0];
     let cells = sim
         .liquid_cells()

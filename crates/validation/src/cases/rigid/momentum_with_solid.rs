@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector, rotation_planes};
-use meniscus_sim::{LiquidRegion, Model, Motion, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{LiquidRegion, Model, Simulation, Solid, SolidKind, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -108,7 +108,7 @@ fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
     let center = grid.domain_upper() * 0.5 + grid_offset(dx);
     let half_size = across_and_up(HALF_WIDTH, HALF_THICKNESS);
     let shape = Shape::Box { center, half_size, rotation };
-    let mut plate = Solid::new(shape, Motion::Free, DENSITY);
+    let mut plate = Solid::new(shape, SolidKind::Rigid, DENSITY);
     plate.young_cosine = pair.angle.to_radians().cos();
     plate.line_friction = pair.friction;
     let model =
@@ -138,14 +138,14 @@ fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
 fn center_of_mass<const D: usize>(sim: &Simulation<D>) -> Vector<D> {
     let (volume, center) = volume_and_centroid_outside(sim);
     let (liquid, plate) = (sim.model.density * volume, sim.model.solids[0].mass_properties.mass);
-    (center * liquid + sim.state.solids[0].center * plate) / (liquid + plate)
+    (center * liquid + sim.state.solids[0].center_of_mass() * plate) / (liquid + plate)
 }
 
 /// Magnitudes of the linear and angular momentum of liquid and plate.
 fn momentum<const D: usize>(sim: &Simulation<D>) -> (f64, f64) {
-    let (books, plate, now) = (sim.diagnostics(), &sim.model.solids[0], &sim.state.solids[0]);
+    let (books, plate, now) = (sim.diagnostics(), &sim.model.solids[0], sim.state.solids[0].as_rigid());
     let own = now.velocity * plate.mass_properties.mass;
-    let mut turning = Vector::<3>::from(books.angular_momentum) + plate.angular_momentum(now);
+    let mut turning = Vector::<3>::from(books.angular_momentum) + plate.angular_momentum(&now);
     rotation_planes::<D>()
         .iter()
         .for_each(|&(a, b, place)| turning[place] += now.center[a] * own[b] - now.center[b] * own[a]);

@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Motion, PrescribedMotion, Solid, StepError};
+use meniscus_sim::{PrescribedMotion, Solid, SolidKind, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -60,8 +60,8 @@ fn angles_on(cells: usize, angle: f64, velocity: Vector<2>) -> Result<Vec<f64>, 
     let point = Vector::<2>::new(half + low(0) + 0.14 * dx, 0.5 + low(1) + 0.3 * dx);
     let normal = Vector::<2>::new(0.0, 1.0);
     let path = PrescribedMotion { velocity, angular_velocity: [0.0; 3], keyframes: Vec::new() };
-    let motion = if velocity == Vector::<2>::zeros() { Motion::Fixed } else { Motion::Prescribed(path) };
-    let mut plate = Solid::new(Shape::HalfSpace { point, normal }, motion, 1.0);
+    let kind = if velocity == Vector::<2>::zeros() { SolidKind::Fixed } else { SolidKind::Prescribed(path) };
+    let mut plate = Solid::new(Shape::HalfSpace { point, normal }, kind, 1.0);
     plate.young_cosine = young.cos();
     let start = |x: &Vector<2>| (x - point).norm() - 1.0;
     let mut sim = in_flight(sessile_model(grid, plate), &start, velocity);

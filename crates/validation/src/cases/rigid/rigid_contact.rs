@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Motion, Simulation, Solid, StepError, overlaps};
+use meniscus_sim::{Simulation, Solid, SolidKind, StepError, overlaps};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -47,7 +47,7 @@ fn checks_in<const D: usize>() -> Result<Vec<Check>, StepError> {
 }
 
 fn ball<const D: usize>(center: Vector<D>, radius: f64, restitution: f64) -> Solid<D> {
-    let mut ball = Solid::new(Shape::Ball { center, radius }, Motion::Free, 2.0);
+    let mut ball = Solid::new(Shape::Ball { center, radius }, SolidKind::Rigid, 2.0);
     ball.restitution = restitution;
     ball
 }
@@ -63,7 +63,7 @@ fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
     // Contact with the floor starts at the activation distance, not at the lowest sampled position.
     let floor = 0.25 * DX;
     run_to(&mut simulation, fall * (1.0 + 2.0 * restitution), |s, report| {
-        let now = &s.state.solids[0];
+        let now = s.state.solids[0].as_rigid();
         let (place, falls) = (now.center[D - 1] - radius, now.velocity[D - 1]);
         if place < low {
             (low, lowest_at) = (place, s.state.time);
@@ -100,7 +100,7 @@ fn cradle<const D: usize>(moving: usize) -> Result<Check, StepError> {
     run_to(&mut simulation, 0.3, |_, _| ())?;
     let speed_errors = simulation.state.solids.iter().enumerate().map(|(k, now)| {
         let told = if k >= 5 - moving { 1.0 } else { 0.0 };
-        (now.velocity[0] - told).abs()
+        (now.velocity()[0] - told).abs()
     });
     let text = format!("cradle, {moving} of 5 balls, {D}D: error of the speeds");
     Ok(at_most(NAME, text, speed_errors.fold(0.0, f64::max), bars(0.02, 1e-3)))
@@ -110,18 +110,18 @@ fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError> {
     let half = across_and_up::<D>(0.2, 0.04);
     let gap = 0.05 * DX;
     let place = |k: usize| point_at::<D>(0.5, gap + half[D - 1] + k as f64 * (2.0 * half[D - 1] + gap));
-    let solids = (0..count).map(|k| rigid_box(place(k), half, Motion::Free)).collect();
+    let solids = (0..count).map(|k| rigid_box(place(k), half, SolidKind::Rigid)).collect();
     let mut simulation = simulation_without_liquid::<D>(Grid::new([24; D], DX), solids, gravity(), STEP);
-    let middle = |s: &Simulation<D>| s.state.solids.iter().map(|s| s.center).collect::<Vec<_>>();
+    let middle = |s: &Simulation<D>| s.state.solids.iter().map(|s| s.center_of_mass()).collect::<Vec<_>>();
     run_to(&mut simulation, 1.0, |_, _| ())?;
     let start = middle(&simulation);
     let (mut drift, mut fastest, mut deepest) = (0f64, 0f64, 0f64);
     run_to(&mut simulation, 3.0, |s, _| {
         for (now, then) in s.state.solids.iter().zip(&start) {
-            drift = drift.max((now.center - then).norm());
-            fastest = fastest.max(now.velocity.norm());
+            drift = drift.max((now.center_of_mass() - then).norm());
+            fastest = fastest.max(now.velocity().norm());
         }
-        let depth = overlaps(&s.model, &s.state.solids).iter().map(|o| o.2).fold(0.0, f64::max);
+        let depth = overlaps(s.solids()).iter().map(|o| o.2).fold(0.0, f64::max);
         deepest = deepest.max(depth);
     })?;
     let what = |text: &str| format!("{text}, {D}D");

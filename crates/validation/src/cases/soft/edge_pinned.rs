@@ -13,7 +13,7 @@ use crate::{Case, Check};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Simulation, Solid, SolidKind, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -107,8 +107,11 @@ impl PinnedDrop {
             Vector::<2>::new(TOP[0], TOP[1] - 0.5 * THICKNESS),
             Vector::<2>::new(HALF_WIDTH, 0.5 * THICKNESS),
         );
-        let mut plate =
-            if self.soft { soft_plate(shape, dx / 1.5)? } else { Solid::new(shape, Motion::Fixed, DENSITY) };
+        let mut plate = if self.soft {
+            soft_plate(shape, dx / 1.5)?
+        } else {
+            Solid::new(shape, SolidKind::Fixed, DENSITY)
+        };
         let young = 0.5 * (self.apparent + (self.apparent - 90.0).max(0.0));
         plate.young_cosine = young.to_radians().cos();
         plate.line_friction = 0.3;

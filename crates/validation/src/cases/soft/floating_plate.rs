@@ -8,7 +8,7 @@ use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticSpecification, ElementOr
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
-use meniscus_sim::{Model, Motion, Solid, StepError, Wall};
+use meniscus_sim::{Model, Solid, SolidKind, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -148,7 +148,7 @@ fn run() -> Result<Vec<Check>, StepError> {
         anchors: Vec::new(),
     };
     let elastic = Elastic::new(description).map_err(not_made)?;
-    let mut plate = Solid::new(shape, Motion::Soft(Arc::new(elastic)), DENSITY);
+    let mut plate = Solid::new(shape, SolidKind::Deformable(Arc::new(elastic)), DENSITY);
     (plate.young_cosine, plate.line_friction) = (-0.2, 3.0);
     let model = Model {
         kinematic_viscosity: 0.5,
@@ -164,7 +164,7 @@ fn run() -> Result<Vec<Check>, StepError> {
         let step = sim.state.time - last;
         last = sim.state.time;
         if last > AVERAGING_START {
-            let found = level - sim.state.solids[0].center[2] - 0.5 * THICKNESS;
+            let found = level - sim.state.solids[0].center_of_mass()[2] - 0.5 * THICKNESS;
             (sum, time) = (sum + found * step, time + step);
         }
     })?;

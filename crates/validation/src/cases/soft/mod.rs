@@ -10,3 +10,4 @@ pub mod soft_moment;
 pub mod soft_release;
 pub mod soft_sag;
 pub mod soft_tank;
+pub mod soft_tension;

@@ -8,7 +8,7 @@ use meniscus_elastic::ElementOrder;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Numerics, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Kinematics, Model, Numerics, Simulation, Solid, SolidKind, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -68,13 +68,13 @@ fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
     let shape = block(center, half);
     let model = Model {
         surface_tension: 0.0,
-        solids: vec![Solid::new(shape, Motion::Soft(elastic), 1.0)],
+        solids: vec![Solid::new(shape, SolidKind::Deformable(elastic), 1.0)],
         numerics: Numerics { max_step: STEP, newton_iterations: iterations, ..Numerics::default() },
         ..unit_model(Grid::<D>::new([20; D], 0.1), [[Wall::Open; 2]; D])
     };
     let mut sim = Simulation::new(model, &[]);
-    if let Some(soft) = &mut sim.state.solids[0].soft {
-        for (v, x) in soft.state.velocities.iter_mut().zip(&soft.state.positions) {
+    if let Kinematics::Deformable(body) = &mut sim.state.solids[0].kinematics {
+        for (v, x) in body.vertices.velocities.iter_mut().zip(&body.vertices.positions) {
             let from = x - center;
             *v = Vector::from_fn(|a, _| ANGULAR_VELOCITY * [-from[1], from[0], 0.0][a]);
         }

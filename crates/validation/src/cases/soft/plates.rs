@@ -94,8 +94,8 @@ fn strip(mode: Mode) -> Result<Vec<Check>, StepError> {
             let (books, now) = (sim.diagnostics(), &sim.state.solids[0]);
             let own = soft_motion(sim, 0);
             let mass = own.mass;
-            let center =
-                (books.centroid * books.target_volume + now.center * mass) / (books.target_volume + mass);
+            let center = (books.centroid * books.target_volume + now.center_of_mass() * mass)
+                / (books.target_volume + mass);
             (
                 (books.momentum + own.momentum).norm(),
                 (books.angular_momentum[2] + own.angular_momentum[2]).abs(),

@@ -118,9 +118,9 @@ impl DropCase {
             means.center.add(report.diagnostics.centroid[0], dt);
             means.force.add(liquid_force(sim, 0)[1], dt);
             means.moment.add(external_load(sim, 0, &clamp).map_or(f64::NAN, |load| load.moment), dt);
-            let Some(soft) = &sim.state.solids[0].soft else { return };
+            let Some(body) = sim.state.solids[0].as_deformable() else { return };
             for ((_, mean), (_, [top, bottom])) in means.middle.iter_mut().zip(&lines) {
-                let at = 0.5 * (soft.state.positions[*top] + soft.state.positions[*bottom]);
+                let at = 0.5 * (body.vertices.positions[*top] + body.vertices.positions[*bottom]);
                 (0..2).for_each(|a| mean[a].add(at[a], dt));
             }
         })?;

@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Numerics, Simulation, Soft, StepError, Wall};
+use meniscus_sim::{Kinematics, Model, Numerics, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -56,19 +56,15 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
     let liquid = move |x: &Vector<D>| (x - middle).norm() - 1.0;
     let still = at_rest(model, &liquid);
     let Simulation { model, mut state, .. } = still;
-    let now = &mut state.solids[0];
-    let center = now.center;
-    if let Some(soft) = &mut now.soft {
-        let mut body = soft.state.clone();
+    let elastic = model.solids[0].elastic();
+    if let (Some(elastic), Kinematics::Deformable(body)) = (elastic, &mut state.solids[0].kinematics) {
         let narrow = STRETCH.powf(-1.0 / (D as f64 - 1.0));
+        let center = body.center;
         let stretched = |x: &Vector<D>| {
             center + Vector::from_fn(|a, _| (x - center)[a] * if a == 0 { STRETCH } else { narrow })
         };
-        body.positions.iter_mut().for_each(|x| *x = stretched(x));
-        *soft = Soft::without_surface(body);
-    }
-    if let Some(elastic) = model.solids[0].elastic() {
-        now.update_center_of_mass(elastic);
+        body.vertices.positions.iter_mut().for_each(|x| *x = stretched(x));
+        body.update_center_of_mass(elastic);
     }
     Ok(Simulation::resume(model, state))
 }

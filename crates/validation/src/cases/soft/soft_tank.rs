@@ -54,7 +54,7 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     run_to(&mut sim, 1.0, |_, _| ())?;
     let speed = sim.diagnostics().max_speed / (GRAVITY * DEPTH).sqrt();
     let sunk = |k: &usize| {
-        sim.state.solids[0].soft.as_ref().map_or(0.0, |s| PLATE_HEIGHT - s.state.positions[*k][1])
+        sim.state.solids[0].as_deformable().map_or(0.0, |b| PLATE_HEIGHT - b.vertices.positions[*k][1])
     };
     let sunk = middle.iter().map(sunk).sum::<f64>() / middle.len() as f64;
     let text = |what: &str| format!("{what}, {cells} cells a unit");

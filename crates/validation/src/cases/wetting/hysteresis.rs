@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Hysteresis, Model, Motion, Solid, StepError, Wall};
+use meniscus_sim::{Hysteresis, Model, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::PI;
 
 /// A drop on a slope.
@@ -61,7 +61,7 @@ fn sliding_distance<const D: usize>(cells: usize, pull: f64) -> Result<f64, Step
     let point = across_and_up::<D>(2.0, 6.3 * dx);
     let normal = up(1.0);
     let shape = Shape::HalfSpace { point, normal };
-    let mut wall = Solid::new(shape, Motion::Fixed, 1.0);
+    let mut wall = Solid::new(shape, SolidKind::Fixed, 1.0);
     let [advancing, receding] = [110.0f64, 70.0].map(|angle| angle.to_radians().cos());
     (wall.hysteresis, wall.line_friction) = (Some(Hysteresis::Between([advancing, receding])), 0.3);
     let wide = [7, if D == 2 { 3 } else { 4 }, 3];

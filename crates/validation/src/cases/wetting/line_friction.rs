@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Motion, Simulation, Solid, StepError};
+use meniscus_sim::{Model, Simulation, Solid, SolidKind, StepError};
 use std::f64::consts::PI;
 
 /// The case.
@@ -92,7 +92,7 @@ fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepErr
     center[D - 1] = 0.4;
     let half_size = across_and_up(0.34, 0.06);
     let shape = block(center, half_size);
-    let mut plate = Solid::new(shape, Motion::Free, 1.25);
+    let mut plate = Solid::new(shape, SolidKind::Rigid, 1.25);
     plate.young_cosine = 0.5;
     plate.line_friction = FRICTION * RADIUS.sqrt();
     let mut model = sessile_model(Grid::<D>::new([cells; D], 1.0 / cells as f64), plate);
@@ -101,7 +101,7 @@ fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepErr
     let above = |x: &Vector<D>| ((x - middle).norm() - RADIUS).max(center[D - 1] - x[D - 1]);
     let mut sim = in_flight(model, &above, Vector::from_fn(|a, _| 0.3 - 0.2 * a as f64));
     let sum = |sim: &Simulation<D>| {
-        sim.diagnostics().momentum + sim.state.solids[0].velocity * sim.model.solids[0].mass_properties.mass
+        sim.diagnostics().momentum + sim.state.solids[0].velocity() * sim.model.solids[0].mass_properties.mass
     };
     let start = sum(&sim);
     for _ in 0..steps {

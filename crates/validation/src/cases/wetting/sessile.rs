@@ -7,7 +7,7 @@ use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Motion, Simulation, Solid, StepError, Wall};
+use meniscus_sim::{Model, Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Drops on planes in 2D.
@@ -244,7 +244,7 @@ impl PlaneDrop {
         } else {
             Shape::HalfSpace { point, normal }
         };
-        let mut wall = Solid::new(shape, Motion::Fixed, 1.0).padded(thick * dx, dx);
+        let mut wall = Solid::new(shape, SolidKind::Fixed, 1.0).padded(thick * dx, dx);
         wall.young_cosine = angle.to_radians().cos();
         let depth = |x: &Vector<D>| (point - x).dot(&normal);
         let start = |x: &Vector<D>| ((x - point).norm() - 1.0).max(depth(x) - 0.5 * thick * dx);

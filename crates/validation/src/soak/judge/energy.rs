@@ -14,7 +14,8 @@
 
 use super::invariants::MAX_ENERGY_RISE_PER_STEP;
 use crate::soak::EnergyLaw;
-use meniscus_sim::{Barriers, Diagnostics, Model, Simulation, Solid, SolidState, State, advanced_solids};
+use meniscus_elastic::{Elastic, ElasticState};
+use meniscus_sim::{Barriers, Diagnostics, Model, Simulation, SolidState, State, advanced_solids};
 
 /// Kinds of energy, in the order of [`EnergyLaw::terms`].
 pub const ENERGY_TERMS: [&str; 5] = ["kinetic", "elastic", "barrier", "surface", "potential"];
@@ -113,12 +114,8 @@ impl<const D: usize> EnergyMonitor<D> {
 
 /// The elastic energy of solids, J.
 fn elastic<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
-    let of = |(solid, now): (&Solid<D>, &SolidState<D>)| {
-        let (elastic, soft) = solid.elastic().zip(now.soft.as_ref())?;
-        Some(
-            elastic.elastic_energy(&soft.state.positions)
-                + elastic.inversion_barrier_energy(&soft.state.positions),
-        )
+    let energy = |(elastic, now): (&Elastic<D>, &ElasticState<D>)| {
+        elastic.elastic_energy(&now.positions) + elastic.inversion_barrier_energy(&now.positions)
     };
-    model.solids.iter().zip(solids).filter_map(of).sum()
+    model.deformable_solids(solids).map(energy).sum()
 }

@@ -7,7 +7,7 @@ use super::invariants::{
 use crate::soak::{EnergyLaw, EnergyMonitor, Violation};
 use meniscus_numerics::Vector;
 use meniscus_scene::file::{Keyframe, Material, Scene};
-use meniscus_sim::{Diagnostics, Model, Motion, Simulation, SolidState, State, StepReport, overlaps};
+use meniscus_sim::{Diagnostics, Model, Simulation, SolidKind, SolidState, State, StepReport, overlaps};
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
@@ -47,7 +47,7 @@ impl<const D: usize> InvariantChecks<D> {
     /// The checks of a simulation at its start.
     pub fn at_start(simulation: &Simulation<D>, scene: &Scene) -> Self {
         let (model, ledger) = (&simulation.model, simulation.diagnostics());
-        let prescribed = model.solids.iter().any(|s| matches!(s.motion, Motion::Prescribed(_)));
+        let prescribed = model.solids.iter().any(|s| matches!(s.kind, SolidKind::Prescribed(_)));
         let moved = scene.solids.iter().any(|s| !s.moved.is_empty());
         let lines = scene.contact_line.enabled || model.solids.is_empty();
         let scale = energy_scale(model, &ledger);
@@ -65,7 +65,7 @@ impl<const D: usize> InvariantChecks<D> {
             momentum: momentum(model, &simulation.state.solids, &ledger),
             mass: mass(model, &ledger),
             largest_kinetic: ledger.kinetic_energy,
-            overlap: deepest_overlap(model, &simulation.state.solids),
+            overlap: deepest_overlap(simulation),
             speed: max_physical_speed(simulation, scene, &ledger),
             is_isolated: !prescribed && !moved && lines,
             has_no_prescribed_motion: !prescribed && !moved,
@@ -93,7 +93,7 @@ impl<const D: usize> InvariantChecks<D> {
         self.check_momentum(&mut found, simulation, ledger);
         self.check_volume(&mut found, state, report);
         found.at_most("speed", ledger.max_speed, MAX_SPEED_RATIO * self.speed, "m/s");
-        let rigid = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.motion == Motion::Free);
+        let rigid = model.solids.iter().zip(&state.solids).filter(|(s, _)| s.kind.is_free_rigid());
         let fastest = rigid.map(|(s, now)| s.max_speed(now)).fold(0.0, f64::max);
         found.at_most("solid-speed", fastest, MAX_SPEED_RATIO * self.speed, "m/s");
         if let Some(least) = ledger.least_element.filter(|least| *least <= 0.0) {
@@ -128,7 +128,7 @@ impl<const D: usize> InvariantChecks<D> {
         found.at_most("not-finite", not_finite, 0.0, "values of fields that are not finite");
         if self.has_no_prescribed_motion {
             let allowed = (MAX_OVERLAP_CELLS * dx).max(self.overlap + MAX_OVERLAP_CELLS * dx);
-            found.at_most("overlap", deepest_overlap(model, &state.solids), allowed, "m");
+            found.at_most("overlap", deepest_overlap(simulation), allowed, "m");
         }
         found.at_most("within-solid", deepest_liquid(simulation), MAX_LIQUID_DEPTH_CELLS * dx, "m");
     }
@@ -177,7 +177,7 @@ impl<const D: usize> InvariantChecks<D> {
     ) {
         let (model, state) = (&simulation.model, &simulation.state);
         self.largest_kinetic = self.largest_kinetic.max(ledger.kinetic_energy);
-        self.conserves_momentum &= !touches_a_side(model, state);
+        self.conserves_momentum &= !touches_a_side(simulation);
         let scale = (2.0 * self.largest_kinetic * self.mass).sqrt();
         if !self.conserves_momentum || scale == 0.0 {
             return;
@@ -244,7 +244,7 @@ fn ball_area<const D: usize>(volume: f64) -> f64 {
 
 /// Mass of liquid and free solids, kg.
 fn mass<const D: usize>(model: &Model<D>, ledger: &Diagnostics<D>) -> f64 {
-    let solids = model.solids.iter().filter(|s| !s.motion.is_prescribed()).map(|s| s.mass_properties.mass);
+    let solids = model.solids.iter().filter(|s| !s.kind.is_prescribed()).map(|s| s.mass_properties.mass);
     model.density * ledger.target_volume + solids.sum::<f64>()
 }
 
@@ -254,13 +254,13 @@ fn momentum<const D: usize>(
     solids: &[SolidState<D>],
     ledger: &Diagnostics<D>,
 ) -> Vector<D> {
-    let free = model.solids.iter().zip(solids).filter(|(s, _)| !s.motion.is_prescribed());
-    free.fold(ledger.momentum, |sum, (solid, now)| sum + now.velocity * solid.mass_properties.mass)
+    let free = model.solids.iter().zip(solids).filter(|(s, _)| !s.kind.is_prescribed());
+    free.fold(ledger.momentum, |sum, (solid, now)| sum + now.velocity() * solid.mass_properties.mass)
 }
 
 /// Depth of the deepest overlap of solids, m.
-fn deepest_overlap<const D: usize>(model: &Model<D>, solids: &[SolidState<D>]) -> f64 {
-    overlaps(model, solids).into_iter().map(|o| o.2).fold(0.0, f64::max)
+fn deepest_overlap<const D: usize>(simulation: &Simulation<D>) -> f64 {
+    overlaps(simulation.solids()).into_iter().map(|o| o.2).fold(0.0, f64::max)
 }
 
 /// Depth of the deepest centre of a liquid cell within a solid, m.
@@ -275,12 +275,15 @@ fn deepest_liquid<const D: usize>(simulation: &Simulation<D>) -> f64 {
     centers.map(|x| -simulation.distance_to_solids(&x)).fold(0.0, f64::max)
 }
 
-fn touches_a_side<const D: usize>(model: &Model<D>, state: &State<D>) -> bool {
+fn touches_a_side<const D: usize>(simulation: &Simulation<D>) -> bool {
+    let (model, state) = (&simulation.model, &simulation.state);
     let (near, upper) = (SIDE_CONTACT_CELLS * model.grid.dx, model.grid.domain_upper());
     let out = |low: &Vector<D>, high: &Vector<D>| (0..D).any(|a| low[a] < near || high[a] > upper[a] - near);
-    let solids = model.solids.iter().zip(&state.solids).map(|(s, now)| s.bounds(now));
     state.components.iter().any(|d| out(&d.lower, &d.upper))
-        || solids.into_iter().any(|[low, high]| out(&low, &high))
+        || simulation.solids().iter().any(|solid| {
+            let [low, high] = solid.bounds();
+            out(&low, &high)
+        })
 }
 
 /// The largest speed that the energy of a scene can give the liquid, m/s, as the root of a sum of `2 E/m`:
