@@ -40,10 +40,11 @@ struct Ball {
 
 fn run(mode: Mode) -> Vec<Check> {
     let dimensions = if mode == Mode::Quick { 2..=2 } else { 2..=3 };
-    let balls = dimensions.flat_map(|dimension| {
-        [(60.0, false), (120.0, false), (60.0, true), (120.0, true)]
-            .map(|(contact_angle, is_wetted)| Ball { dimension, contact_angle, is_wetted })
-    });
+    let balls =
+        dimensions.flat_map(|dimension| {
+            [(60.0, false), (120.0, false), (60.0, true), (120.0, true)]
+                .map(|(contact_angle, is_wetted)| Ball { dimension, contact_angle, is_wetted })
+        });
     balls.map(|ball| ball.check()).collect()
 }
 
