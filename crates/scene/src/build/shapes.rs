@@ -105,7 +105,7 @@ pub(crate) fn file_volume_mesh<const D: usize>(
     let ShapeSpec::Mesh { path, scale, translate, rotation: turned } = spec else {
         return Err("this shape is not read from a volume mesh file".to_owned());
     };
-    let mut mesh = VolumeMesh::clone(&*files.volume::<D>(path)?);
+    let mut mesh = files.volume::<D>(path)?;
     mesh.positions.iter_mut().for_each(|x| *x *= *scale);
     Ok(mesh.transformed(&rotation(turned), &vector(translate)))
 }

@@ -1,4 +1,4 @@
-//! The files that a scene names, meshes and images: each is read once. `builtin:NAME` is a mesh that comes with the program.
+//! The files that a scene names, meshes and images: the content of each is read once. `builtin:NAME` is a mesh that comes with the program.
 //!
 //! Scenes with built-in meshes run from any folder, also from the `scene.toml` of a run and with `--resume`.
 
@@ -6,7 +6,6 @@ use crate::error::nearest;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::volume::read;
 use meniscus_numerics::shape::MeshShape;
-use std::any::Any;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -40,16 +39,12 @@ pub(crate) fn unknown_mesh_message(name: &str) -> Option<(String, String)> {
     ))
 }
 
-/// The files that a scene names. Each is read when it is first asked for, and its mesh is made once; clones share what is read.
-#[derive(Clone, Debug, Default)]
-pub struct SceneFiles(Arc<Mutex<Loaded>>);
+/// Contents of the files by path.
+type Contents = BTreeMap<PathBuf, Arc<[u8]>>;
 
-#[derive(Debug, Default)]
-struct Loaded {
-    contents: BTreeMap<PathBuf, Arc<[u8]>>,
-    /// Meshes in the coordinates of their file, by its path.
-    meshes: BTreeMap<PathBuf, Arc<dyn Any + Send + Sync>>,
-}
+/// The files that a scene names. A file is read when its content is first needed; clones share the contents.
+#[derive(Clone, Debug, Default)]
+pub struct SceneFiles(Arc<Mutex<Contents>>);
 
 /// Scenes are compared by the paths of their files, so all collections of files compare equal.
 impl PartialEq for SceneFiles {
@@ -64,7 +59,7 @@ impl SceneFiles {
     /// # Errors
     /// Those of the operating system.
     pub fn content(&self, path: &Path) -> io::Result<Arc<[u8]>> {
-        if let Some(content) = self.loaded().contents.get(path) {
+        if let Some(content) = self.contents().get(path) {
             return Ok(Arc::clone(content));
         }
         let builtin = path.to_str().and_then(builtin_name);
@@ -72,40 +67,26 @@ impl SceneFiles {
             Some((_, content)) => Arc::from(*content),
             None => std::fs::read(path)?.into(),
         };
-        self.loaded().contents.insert(path.to_owned(), Arc::clone(&content));
+        self.contents().insert(path.to_owned(), Arc::clone(&content));
         Ok(content)
     }
 
     /// The closed surface of a mesh file, in the file's coordinates; the error is a message.
-    pub(crate) fn surface<const D: usize>(&self, path: &Path) -> Result<Arc<MeshShape<D>>, String> {
-        self.mesh(path, || MeshShape::load(path, &|file| self.content(file)))
+    pub(crate) fn surface<const D: usize>(&self, path: &Path) -> Result<MeshShape<D>, String> {
+        MeshShape::load(path, &|file| self.content(file)).map_err(|e| e.to_string())
     }
 
     /// The elements of a volume mesh file, in the file's coordinates; the error is a message.
-    pub(crate) fn volume<const D: usize>(&self, path: &Path) -> Result<Arc<VolumeMesh<D>>, String> {
-        self.mesh(path, || read::load(path, &|file| self.content(file)))
+    pub(crate) fn volume<const D: usize>(&self, path: &Path) -> Result<VolumeMesh<D>, String> {
+        read::load(path, &|file| self.content(file)).map_err(|e| e.to_string())
     }
 
-    /// Frees the memory of what has been read. What is asked for again is read again.
+    /// Frees the memory of all contents; a file that is needed later is read again.
     pub fn forget(&self) {
-        *self.loaded() = Loaded::default();
+        self.contents().clear();
     }
 
-    fn mesh<M: Send + Sync + 'static, E: ToString>(
-        &self,
-        path: &Path,
-        load: impl FnOnce() -> Result<M, E>,
-    ) -> Result<Arc<M>, String> {
-        let known = self.loaded().meshes.get(path).cloned();
-        if let Some(mesh) = known.and_then(|mesh| mesh.downcast().ok()) {
-            return Ok(mesh);
-        }
-        let mesh = Arc::new(load().map_err(|e| e.to_string())?);
-        self.loaded().meshes.insert(path.to_owned(), Arc::<M>::clone(&mesh));
-        Ok(mesh)
-    }
-
-    fn loaded(&self) -> MutexGuard<'_, Loaded> {
+    fn contents(&self) -> MutexGuard<'_, Contents> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -119,9 +100,9 @@ mod tests {
         let path = std::env::temp_dir().join(format!("meniscus-files-{}.obj", std::process::id()));
         std::fs::write(&path, "v 0 0\nv 1 0\nv 0 1\nl 1 2 3 1\n").unwrap();
         let files = SceneFiles::default();
-        let first = files.surface::<2>(&path).unwrap();
+        assert!(files.surface::<2>(&path).is_ok());
         std::fs::remove_file(&path).unwrap();
-        assert!(Arc::ptr_eq(&first, &files.clone().surface::<2>(&path).unwrap()));
+        assert!(files.clone().surface::<2>(&path).is_ok());
         assert!(files.content(&path).is_ok() && SceneFiles::default().content(&path).is_err());
     }
 }
