@@ -357,12 +357,13 @@ fn undamped_solids(scene: &Scene) -> impl Iterator<Item = Warning> {
         Material::Springs { damping_ratio, .. } => *damping_ratio == 0.0,
         _ => false,
     };
-    scene.solids.iter().filter(move |s| scene.contact_line.enabled && is_soft(&s.material)).map(|s| {
+    let solids = scene.solids.iter().enumerate();
+    solids.filter(move |(_, s)| scene.contact_line.enabled && is_soft(&s.material)).map(|(i, s)| {
         let message = format!(
             "the solid `{}` deforms without damping: noise of a contact line on it adds energy from step to step; give a \
              `damping_ratio` of 0.05 or more in its material",
             s.name
         );
-        Warning { path: "solid".to_owned(), message }
+        Warning { path: format!("solid.{i}.material"), message }
     })
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use meniscus_scene::build::{self, AnySetup};
+use meniscus_scene::estimate::check::check;
 use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Scene};
 use meniscus_scene::output::Folder;
@@ -129,4 +130,29 @@ fn no_tension_of_a_solid_is_negative() {
         let found = dry_tension(own);
         assert!((found - tension).abs() < 1e-12, "{own}: {found}");
     }
+}
+
+/// A contact line adds energy to soft solids without damping; `check` warns of these, not of damped or stiff ones.
+#[test]
+fn check_warns_of_soft_solids_without_damping() {
+    let warned = |damping: &str, modulus: &str, line: &str| {
+        let text = SCENE.replace("LEVEL", "\"2 mm\"").replace("0.5 }", damping).replace("4 kPa", modulus);
+        let scene = Scene::from_text(
+            "runs.toml",
+            &text.replace("[tension]", line),
+            Path::new("/nowhere"),
+            &LoadOptions::default(),
+        );
+        let warnings = check(&scene.unwrap(), 1).warnings;
+        warnings
+            .into_iter()
+            .filter(|w| w.message.contains("without damping"))
+            .map(|w| w.path)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(warned("0 }", "4 kPa", "[tension]"), ["solid.0.material"]);
+    assert!(warned("0.05 }", "4 kPa", "[tension]").is_empty());
+    // The cells are 1 mm: γ/Δ is 20 Pa, and 10⁴ times that 0.2 MPa.
+    assert!(warned("0 }", "0.3 MPa", "[tension]").is_empty());
+    assert!(warned("0 }", "4 kPa", "[contact_line]\nenabled = false\n[tension]").is_empty());
 }
