@@ -1,4 +1,4 @@
-//! What the validation of all parts of a scene shares: the source, the grid, and checks with errors that point at the value.
+//! The validator of a scene: checks that all its sections use, with errors that point at the value.
 
 use super::text::{Source, short};
 use crate::error::{SceneError, nearest};

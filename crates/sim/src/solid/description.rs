@@ -16,7 +16,7 @@ use meniscus_numerics::{Matrix, Vector};
 pub struct Solid<const D: usize> {
     /// Shape and position at the start.
     pub shape: Shape<D>,
-    /// What determines its motion.
+    /// Kind, which determines how it moves.
     pub kind: SolidKind<D>,
     /// Initial velocity, m/s.
     pub initial_velocity: Vector<D>,

@@ -1,4 +1,4 @@
-//! Kinds of solids: what determines their motion.
+//! Kinds of solids: fixed, prescribed, rigid or deformable.
 
 use meniscus_elastic::Elastic;
 use meniscus_numerics::Vector;

@@ -49,10 +49,10 @@ pub struct Solids<'a, const D: usize> {
     pub surfaces: &'a SolidSurfaces<D>,
 }
 
-/// A solid in a state. It dereferences to what is constant about it.
+/// A solid in a state. It dereferences to its [`Solid`].
 #[derive(Clone, Copy, Debug)]
 pub struct SolidView<'a, const D: usize> {
-    /// What is constant about the solid.
+    /// The constant properties of the solid.
     pub solid: &'a Solid<D>,
     /// Its state.
     pub state: &'a SolidState<D>,
