@@ -27,8 +27,9 @@ const ELASTICITY: (f64, f64) = (4e3, 0.3);
 const GAMMA: f64 = 0.0728;
 /// Radii of ball and drop, m.
 const RADII: (f64, f64) = (1e-3, 2.5e-3);
-/// Time at which the ball is at rest, s: twenty periods of its breathing.
-const END: f64 = 0.02;
+/// Time at which the ball is at rest, s. The energies of a dry one are constant to 1e-5 from 1.5 ms on; the liquid around a wetted one
+/// takes twice as long: at 2.5 ms the radius in 2D is off by 5 %.
+const END: f64 = 5e-3;
 
 /// A ball in a scene.
 #[derive(Clone, Copy)]
@@ -58,8 +59,9 @@ impl Ball {
                 Check::absolute(NAME, text, 100.0 * strain, 0.0, bar(1e-3)).in_unit("%")
             }
             Ok(strain) => {
+                // Linear elasticity is right within the order of the strain, 1.3 %.
                 let (found, should) = (100.0 * strain, 100.0 * self.expected_strain());
-                Check::relative(NAME, text, found, should, bars(0.05, 0.02)).in_unit("%")
+                Check::relative(NAME, text, found, should, bars(0.02, 0.01)).in_unit("%")
             }
             Err(error) => Check::unfinished(NAME, &format!("{text} ({error})")),
         }
