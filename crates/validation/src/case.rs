@@ -28,6 +28,15 @@ pub struct Case {
     pub run: fn(Mode) -> Vec<Check>,
 }
 
+/// Cases about one subject.
+#[derive(Clone, Copy, Debug)]
+pub struct Group {
+    /// The subject.
+    pub title: &'static str,
+    /// Its cases.
+    pub cases: &'static [Case],
+}
+
 /// One number of a case against its reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {

@@ -1,6 +1,6 @@
 //! The validation suite: each case runs the simulator and compares it with theory or experiments.
 //!
-//! A case is a [`Case`] in a file of its own under `cases`, listed in `cases/mod.rs`.
+//! A case is a [`Case`] in a file of its own under `cases`, listed in the `mod.rs` of its folder.
 
 mod case;
 pub mod cases;
@@ -14,7 +14,7 @@ pub mod soak;
 pub mod soft;
 pub mod solids_only;
 
-pub use crate::case::{Bars, Case, Check, Mode, Outcome};
+pub use crate::case::{Bars, Case, Check, Group, Mode, Outcome};
 
 /// All cases, group by group.
 pub fn cases() -> &'static [Case] {

@@ -11,3 +11,28 @@ pub mod rayleigh_plateau;
 pub mod static_drop;
 pub mod transport;
 pub mod volume;
+
+use crate::{Case, Group};
+
+/// The group.
+pub const GROUP: Group = Group { title: "Liquid without solids", cases: CASES };
+
+/// Its cases, in the order in which they run.
+const CASES: &[Case] = &[
+    static_drop::CASE_2D,
+    static_drop::CASE_3D,
+    rayleigh::CASE_2D,
+    rayleigh::CASE_3D,
+    rayleigh::STEPS,
+    rayleigh::LAMB,
+    capillary_wave::CASE,
+    moving_drop::CASE,
+    rayleigh_plateau::CASE,
+    hydrostatic::CASE,
+    open_side::CASE,
+    transport::ZALESAK,
+    transport::VORTEX,
+    dam_break::CASE,
+    volume::CASE,
+    momentum::CASE,
+];
