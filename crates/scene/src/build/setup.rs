@@ -8,7 +8,6 @@ use crate::estimate::parameters::parameters;
 use crate::file::{Bounds, Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, builtin_name, vector};
 use crate::job::{ExistingRun, Job, Schedule, Stop};
 use crate::output::Folder;
-use crate::output::frame::frame_writer;
 use crate::run::Observer;
 use crate::run::checkpoint::Checksum;
 use crate::run::{self, Outcome, RunError};
@@ -70,7 +69,7 @@ impl Job {
             schedule: Schedule::new(output.frame_interval(), output.duration),
             frame_interval: output.frame_interval(),
             frames: None,
-            writers: output.formats.iter().filter_map(|format| frame_writer(*format)).collect(),
+            writers: output.formats.iter().filter_map(|format| format.frame_writer()).collect(),
             checkpoint_every: output.checkpoint_every as u64,
             solids: names_and_mesh_edges(scene),
             warnings: Vec::new(),

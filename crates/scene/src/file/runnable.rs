@@ -2,9 +2,9 @@
 
 use crate::error::SceneError;
 use crate::file::scene::Scene;
-use crate::file::sections::{Format, Material, Scheme};
+use crate::file::sections::{Material, Scheme};
 use crate::file::shape::ShapeSpec;
-use crate::output::frame::frame_writer;
+use crate::output::frame::Format;
 
 /// Checks that this version can run the scene.
 ///
@@ -54,7 +54,7 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
     if scene.numerics.scheme == Scheme::Paper {
         return refuse("numerics.scheme", "the scheme `paper`", "use scheme = \"meniscus\"");
     }
-    let is_written = |format: &Format| *format == Format::Page || frame_writer(*format).is_some();
+    let is_written = |format: &Format| *format == Format::Page || format.frame_writer().is_some();
     if let Some(format) = scene.output.formats.iter().find(|format| !is_written(format)) {
         let name = |format: &Format| format!("{format:?}").to_lowercase();
         let written: Vec<String> =

@@ -34,7 +34,7 @@ pub use keyframe::Keyframe;
 pub use liquid::{Body, Liquid};
 pub use material::{Elastic, Material};
 pub use numerics::{Numerics, Scheme};
-pub use output::{Format, Output};
+pub use output::Output;
 pub use solid::{Collision, Moved, Solid};
 pub use wetting::{AngleAt, Patch, SolidTension, Tensions, WALLS, Wetting, WettingImage};
 

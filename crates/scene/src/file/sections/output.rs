@@ -3,6 +3,7 @@
 use crate::error::SceneError;
 use crate::file::text::{Si, Time};
 use crate::file::validator::Validator;
+use crate::output::frame::Format;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -67,39 +68,4 @@ impl Output {
         }
         Ok(())
     }
-}
-
-/// A format of the output. Formats that this version does not write can be read, so that the error names them;
-/// the schema omits them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Format {
-    /// Surfaces of each frame as binary PLY; always written.
-    Ply,
-    /// One self-contained HTML page of the run.
-    Page,
-    /// VTK XML with a `.pvd`.
-    #[schemars(skip)]
-    Vtk,
-    /// Wavefront OBJ.
-    #[schemars(skip)]
-    Obj,
-    /// Binary glTF.
-    #[schemars(skip)]
-    Glb,
-    /// USD text.
-    #[schemars(skip)]
-    Usd,
-    /// OpenVDB level sets.
-    #[schemars(skip)]
-    Vdb,
-    /// Tables of vertices.
-    #[schemars(skip)]
-    Csv,
-}
-
-impl Format {
-    /// All formats, in the order of their definition.
-    pub const ALL: [Self; 8] =
-        [Self::Ply, Self::Page, Self::Vtk, Self::Obj, Self::Glb, Self::Usd, Self::Vdb, Self::Csv];
 }

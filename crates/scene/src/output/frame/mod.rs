@@ -3,11 +3,9 @@
 mod content;
 mod extractor;
 mod formats;
-mod ply;
 mod writer;
 
 pub use content::{Attribute, Frame, FrameMesh};
 pub use extractor::{FrameExtractor, NotFinite, liquid_surface};
-pub use formats::frame_writer;
-pub use ply::PlyWriter;
+pub use formats::{Format, PlyWriter};
 pub use writer::FrameWriter;

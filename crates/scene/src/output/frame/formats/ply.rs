@@ -1,6 +1,6 @@
 //! Frames as binary PLY files, one for each mesh.
 
-use super::{Attribute, Frame, FrameMesh, FrameWriter};
+use crate::output::frame::{Attribute, Frame, FrameMesh, FrameWriter};
 use crate::output::{FileError, Folder, atomic_file};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use std::path::{Path, PathBuf};
