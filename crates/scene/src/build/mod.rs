@@ -7,6 +7,7 @@ pub mod displaced_liquid;
 mod initial_condition;
 mod setup;
 mod shapes;
+mod terms;
 mod thickness;
 mod wettability;
 
