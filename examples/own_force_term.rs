@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let tip = mesh.positions.iter().position(|x| x[0] > 0.499 * length && x[1].abs() < 1e-9);
     let vertex = tip.ok_or("no vertex at the middle of the end")?;
     let load = PointLoad { vertex, force: Vector::<2>::new(0.0, force), couplings: Cliques::default() };
-    let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order: ElementOrder::Quadratic };
+    let law = ConstitutiveLaw::neo_hookean(young_modulus, poisson_ratio, ElementOrder::Quadratic);
     let anchors = vec![Anchor::within(&mesh, |x| x[0] < -0.499 * length)];
     let plate = ElasticSpecification { mesh, density: 1100.0, law, damping_ratio: 1.0, anchors };
     let plate = Elastic::with_terms(plate, vec![Box::new(load)])?;

@@ -80,11 +80,11 @@ fn terms<const D: usize>(
     law: ConstitutiveLaw,
 ) -> Result<Vec<Box<dyn DiscreteGradientTerm<D>>>, ElasticError> {
     Ok(match law {
-        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order } => {
-            vec![Box::new(Continuum::new(mesh, NeoHookean, Lame::new(young_modulus, poisson_ratio), order)?)]
+        ConstitutiveLaw::NeoHookean(constants) => {
+            vec![Box::new(Continuum::new(mesh, NeoHookean, constants.lame(), constants.order)?)]
         }
-        ConstitutiveLaw::Corotated { young_modulus, poisson_ratio, order } => {
-            vec![Box::new(Continuum::new(mesh, Corotated, Lame::new(young_modulus, poisson_ratio), order)?)]
+        ConstitutiveLaw::Corotated(constants) => {
+            vec![Box::new(Continuum::new(mesh, Corotated, constants.lame(), constants.order)?)]
         }
         ConstitutiveLaw::Springs { stiffness } => {
             vec![Box::new(Springs::new(mesh, stiffness))]
@@ -95,8 +95,9 @@ fn terms<const D: usize>(
 /// Young's modulus of a constitutive law, Pa.
 fn young_modulus<const D: usize>(mesh: &VolumeMesh<D>, law: ConstitutiveLaw) -> f64 {
     match law {
-        ConstitutiveLaw::NeoHookean { young_modulus, .. }
-        | ConstitutiveLaw::Corotated { young_modulus, .. } => young_modulus,
+        ConstitutiveLaw::NeoHookean(constants) | ConstitutiveLaw::Corotated(constants) => {
+            constants.young_modulus
+        }
         ConstitutiveLaw::Springs { stiffness } => {
             let edge = |s: &Simplex<D>| s.edges(&mesh.positions).column(0).norm();
             stiffness / mesh.simplices.iter().map(edge).fold(0.0, f64::max).powi(D as i32 - 2)
@@ -112,13 +113,12 @@ fn inversion_barriers<const D: usize>(
 ) -> Result<Vec<Continuum<InversionBarrier, D>>, ElasticError> {
     let lame = |stiffness| Lame { lambda: stiffness, mu: 0.0 };
     match law {
-        ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order }
-        | ConstitutiveLaw::Corotated { young_modulus, poisson_ratio, order } => {
-            let Lame { lambda, mu } = Lame::new(young_modulus, poisson_ratio);
+        ConstitutiveLaw::NeoHookean(constants) | ConstitutiveLaw::Corotated(constants) => {
+            let Lame { lambda, mu } = constants.lame();
             let lame = lame(lambda + 2.0 * mu);
             let mut all = vec![Continuum::new(mesh, InversionBarrier, lame, ElementOrder::Linear)?];
-            if order == ElementOrder::Quadratic {
-                all.push(Continuum::new(mesh, InversionBarrier, lame, order)?);
+            if constants.order == ElementOrder::Quadratic {
+                all.push(Continuum::new(mesh, InversionBarrier, lame, constants.order)?);
             }
             Ok(all)
         }

@@ -36,7 +36,7 @@ pub use incremental_potential::IncrementalPotential;
 pub use linalg::{Assembly, AssemblyInverse, AssemblyStructure, BlockMatrix, Cliques, Reach};
 pub use meniscus_numerics::mesh::volume::ElementOrder;
 pub use modes::{Mode, lowest_modes, lowest_modes_to_tolerance};
-pub use specification::{Anchor, AnchorMotion, ConstitutiveLaw, ElasticSpecification};
+pub use specification::{Anchor, AnchorMotion, ConstitutiveLaw, ElasticSpecification, Isotropic};
 pub use state::ElasticState;
 pub use step::{KEPT_FRACTION, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS};
 pub use term::continuum::Continuum;

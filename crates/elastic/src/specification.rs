@@ -1,6 +1,6 @@
 //! Specification of a deformable solid.
 
-use crate::ElasticError;
+use crate::{ElasticError, Lame};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::volume::ElementOrder;
@@ -25,23 +25,9 @@ pub struct ElasticSpecification<const D: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConstitutiveLaw {
     /// Hyperelastic continuum for large strains, [`crate::NeoHookean`].
-    NeoHookean {
-        /// Young's modulus, Pa.
-        young_modulus: f64,
-        /// Poisson's ratio.
-        poisson_ratio: f64,
-        /// Order of the elements.
-        order: ElementOrder,
-    },
+    NeoHookean(Isotropic),
     /// Continuum for small strains and large rotations, [`crate::Corotated`].
-    Corotated {
-        /// Young's modulus, Pa.
-        young_modulus: f64,
-        /// Poisson's ratio.
-        poisson_ratio: f64,
-        /// Order of the elements.
-        order: ElementOrder,
-    },
+    Corotated(Isotropic),
     /// A spring along every edge, [`crate::Springs`].
     Springs {
         /// Stiffness of each spring, N/m (2D: N/m²).
@@ -49,26 +35,55 @@ pub enum ConstitutiveLaw {
     },
 }
 
+/// Constants of an isotropic continuum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Isotropic {
+    /// Young's modulus, Pa.
+    pub young_modulus: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Order of the elements.
+    pub order: ElementOrder,
+}
+
+impl Isotropic {
+    /// Lamé's parameters.
+    pub(crate) fn lame(&self) -> Lame {
+        Lame::new(self.young_modulus, self.poisson_ratio)
+    }
+
+    fn check(&self) -> Result<(), ElasticError> {
+        let young = self.young_modulus;
+        check_material_constant("Young's modulus", young, young > 0.0, "more than 0 Pa")?;
+        let inside = self.poisson_ratio > -1.0 && self.poisson_ratio < 0.5;
+        let allowed = "between -1 and 0.5; rubber has 0.45 to 0.49";
+        check_material_constant("Poisson's ratio", self.poisson_ratio, inside, allowed)
+    }
+}
+
 impl ConstitutiveLaw {
+    /// [`Self::NeoHookean`] with Young's modulus in Pa.
+    pub fn neo_hookean(young_modulus: f64, poisson_ratio: f64, order: ElementOrder) -> Self {
+        Self::NeoHookean(Isotropic { young_modulus, poisson_ratio, order })
+    }
+
+    /// [`Self::Corotated`] with Young's modulus in Pa.
+    pub fn corotated(young_modulus: f64, poisson_ratio: f64, order: ElementOrder) -> Self {
+        Self::Corotated(Isotropic { young_modulus, poisson_ratio, order })
+    }
+
+    /// Order of the elements.
+    pub fn order(&self) -> ElementOrder {
+        match self {
+            Self::NeoHookean(constants) | Self::Corotated(constants) => constants.order,
+            Self::Springs { .. } => ElementOrder::Linear,
+        }
+    }
+
     /// Checks the ranges of the material constants.
     pub(crate) fn check(&self) -> Result<(), ElasticError> {
         match *self {
-            Self::NeoHookean { young_modulus, poisson_ratio, .. }
-            | Self::Corotated { young_modulus, poisson_ratio, .. } => {
-                check_material_constant(
-                    "Young's modulus",
-                    young_modulus,
-                    young_modulus > 0.0,
-                    "more than 0 Pa",
-                )?;
-                let inside = poisson_ratio > -1.0 && poisson_ratio < 0.5;
-                check_material_constant(
-                    "Poisson's ratio",
-                    poisson_ratio,
-                    inside,
-                    "between -1 and 0.5; rubber has 0.45 to 0.49",
-                )
-            }
+            Self::NeoHookean(constants) | Self::Corotated(constants) => constants.check(),
             Self::Springs { stiffness } => {
                 check_material_constant("the spring stiffness", stiffness, stiffness > 0.0, "more than 0 N/m")
             }

@@ -112,8 +112,8 @@ fn large_deflection() {
     let (poisson_ratio, order) = (0.3, ElementOrder::Quadratic);
     let plate = YOUNG / (1.0 - poisson_ratio * poisson_ratio) * THICK.powi(3) / 12.0;
     let laws = [
-        ConstitutiveLaw::NeoHookean { young_modulus: YOUNG, poisson_ratio, order },
-        ConstitutiveLaw::Corotated { young_modulus: YOUNG, poisson_ratio, order },
+        ConstitutiveLaw::neo_hookean(YOUNG, poisson_ratio, order),
+        ConstitutiveLaw::corotated(YOUNG, poisson_ratio, order),
     ];
     for law in laws {
         for layers in [2, 4] {

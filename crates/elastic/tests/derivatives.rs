@@ -43,11 +43,7 @@ fn moved<const D: usize>(x: &[Vector<D>], along: &[Vector<D>], by: f64) -> Vec<V
 
 /// A body of a term only (and of one so soft that it does not count).
 fn body<const D: usize>(term: Box<dyn DiscreteGradientTerm<D>>) -> Elastic<D> {
-    let law = ConstitutiveLaw::Corotated {
-        young_modulus: 1e-200,
-        poisson_ratio: 0.0,
-        order: ElementOrder::Quadratic,
-    };
+    let law = ConstitutiveLaw::corotated(1e-200, 0.0, ElementOrder::Quadratic);
     let mesh = quadratic::<D>([2; D], [1.0; D]);
     let description =
         ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
@@ -232,11 +228,7 @@ fn crushed_elements() {
 /// The potential of a step has the gradient and the second derivatives that it says.
 fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: 3.0,
-        poisson_ratio: 0.35,
-        order: ElementOrder::Quadratic,
-    };
+    let law = ConstitutiveLaw::neo_hookean(3.0, 0.35, ElementOrder::Quadratic);
     let description =
         ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.3, anchors: Vec::new() };
     let elastic = Elastic::new(description).unwrap();
@@ -279,11 +271,7 @@ fn potentials_of_steps_have_their_derivatives<const D: usize>(pressed: f64) {
 fn potentials_are_infinite_without_volume_at_the_end<const D: usize>() {
     let mesh = quadratic::<D>([2; D], [1.0; D]);
     let x = mesh.positions.clone();
-    let law = ConstitutiveLaw::NeoHookean {
-        young_modulus: 3.0,
-        poisson_ratio: 0.35,
-        order: ElementOrder::Quadratic,
-    };
+    let law = ConstitutiveLaw::neo_hookean(3.0, 0.35, ElementOrder::Quadratic);
     let description =
         ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
     let elastic = Elastic::new(description).unwrap();
@@ -408,11 +396,7 @@ fn stiffness_has_full_rank<const D: usize>() {
         let rest = moved(&mesh.positions, &noise.vectors(mesh.positions.len()), 0.02);
         let bent = VolumeMesh { positions: rest, ..mesh.clone() };
         for mesh in [mesh, bent] {
-            let law = ConstitutiveLaw::NeoHookean {
-                young_modulus: 1.0,
-                poisson_ratio: 0.3,
-                order: ElementOrder::Quadratic,
-            };
+            let law = ConstitutiveLaw::neo_hookean(1.0, 0.3, ElementOrder::Quadratic);
             let description =
                 ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors: Vec::new() };
             let body = Elastic::new(description).unwrap();

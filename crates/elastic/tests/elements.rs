@@ -29,7 +29,7 @@ fn tell<const D: usize>(
     poisson_ratio: f64,
     told: [f64; 2],
 ) {
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio, order };
+    let law = ConstitutiveLaw::neo_hookean(1.0, poisson_ratio, order);
     let body = Elastic::new(clamped(mesh, 1.0, law)).unwrap();
     let x = &body.rest_mesh().positions;
     let frequency = lowest_modes(&body, 1).unwrap()[0].frequency;

@@ -38,7 +38,7 @@ fn plate<const D: usize>(
 ) -> Elastic<D> {
     let mut size = cells.map(|n| n as f64 * wide);
     size[D - 1] = cells[D - 1] as f64;
-    let law = ConstitutiveLaw::NeoHookean { young_modulus: 1.0, poisson_ratio, order };
+    let law = ConstitutiveLaw::neo_hookean(1.0, poisson_ratio, order);
     let mesh =
         if order == ElementOrder::Quadratic { quadratic::<D>(cells, size) } else { block::<D>(cells, size) };
     Elastic::new(free(mesh, 1e-9, law)).unwrap()

@@ -42,8 +42,7 @@ fn refusals() {
     ));
     assert!(matches!(refused(|d| d.mesh.positions[2][1] = f64::NAN), NonFinitePosition { vertex: 2 }));
     for poisson_ratio in [0.5, -1.0, 0.7, f64::NAN] {
-        let law =
-            ConstitutiveLaw::Corotated { young_modulus: 1.0, poisson_ratio, order: ElementOrder::Linear };
+        let law = ConstitutiveLaw::corotated(1.0, poisson_ratio, ElementOrder::Linear);
         assert!(matches!(refused(|d| d.law = law), Material { name: "Poisson's ratio", .. }));
     }
     assert!(matches!(refused(|d| d.law = linear(-1.0, 0.3)), Material { .. }));

@@ -30,7 +30,7 @@ impl SoftMaterial {
         let Self { young: young_modulus, poisson: poisson_ratio, density, damping } = self;
         let order =
             if mesh.quadratic_simplices().is_some() { ElementOrder::Quadratic } else { ElementOrder::Linear };
-        let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order };
+        let law = ConstitutiveLaw::neo_hookean(young_modulus, poisson_ratio, order);
         ElasticSpecification { mesh, density, law, damping_ratio: damping, anchors }
     }
 

@@ -75,12 +75,12 @@ pub fn free<const D: usize>(
 
 /// A neo-Hookean solid of quadratic simplices.
 pub fn rubber(young_modulus: f64, poisson_ratio: f64) -> ConstitutiveLaw {
-    ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order: ElementOrder::Quadratic }
+    ConstitutiveLaw::neo_hookean(young_modulus, poisson_ratio, ElementOrder::Quadratic)
 }
 
 /// The same of linear ones.
 pub fn linear(young_modulus: f64, poisson_ratio: f64) -> ConstitutiveLaw {
-    ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order: ElementOrder::Linear }
+    ConstitutiveLaw::neo_hookean(young_modulus, poisson_ratio, ElementOrder::Linear)
 }
 
 /// Numbers between -1 and 1 that are always the same.

@@ -6,7 +6,9 @@ use crate::estimate::stiffness::check_stiffness;
 use crate::file::{
     Elastic as Constants, Material, Scene, SceneFiles, ShapeSpec, Solid as SolidSpec, rotation, vector,
 };
-use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder};
+use meniscus_elastic::{
+    ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder, Isotropic,
+};
 use meniscus_numerics::mesh::VolumeMesh;
 
 /// The elastic model of a solid; `None` if it does not deform.
@@ -22,11 +24,7 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
         format!("solid.{number}.{key}")
     };
     let Some((law, damping_ratio)) = law(spec) else { return Ok(None) };
-    let order = match law {
-        ConstitutiveLaw::Springs { .. } => ElementOrder::Linear,
-        ConstitutiveLaw::NeoHookean { order, .. } | ConstitutiveLaw::Corotated { order, .. } => order,
-    };
-    let mesh = mesh::<D>(spec, order, &scene.files).map_err(|message| {
+    let mesh = mesh::<D>(spec, law.order(), &scene.files).map_err(|message| {
         let error = SceneError::new(format!("the solid `{}` cannot be meshed: {message}", spec.name));
         scene.source.at_value(error, &scene.source.first_inside(&at("shape")))
     })?;
@@ -50,17 +48,17 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
 
 /// The constitutive law of a deformable solid, and its damping ratio.
 fn law(spec: &SolidSpec) -> Option<(ConstitutiveLaw, f64)> {
-    let order = ElementOrder::Quadratic;
+    let isotropic = |e: Constants| Isotropic {
+        young_modulus: e.young_modulus,
+        poisson_ratio: e.poisson_ratio,
+        order: ElementOrder::Quadratic,
+    };
     match spec.material {
         Material::Springs { stiffness, damping_ratio } => {
             Some((ConstitutiveLaw::Springs { stiffness }, damping_ratio))
         }
-        Material::NeoHookean(Constants { young_modulus, poisson_ratio, damping_ratio }) => {
-            Some((ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio, order }, damping_ratio))
-        }
-        Material::Corotated(Constants { young_modulus, poisson_ratio, damping_ratio }) => {
-            Some((ConstitutiveLaw::Corotated { young_modulus, poisson_ratio, order }, damping_ratio))
-        }
+        Material::NeoHookean(e) => Some((ConstitutiveLaw::NeoHookean(isotropic(e)), e.damping_ratio)),
+        Material::Corotated(e) => Some((ConstitutiveLaw::Corotated(isotropic(e)), e.damping_ratio)),
         _ => None,
     }
 }

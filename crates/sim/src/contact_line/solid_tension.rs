@@ -191,11 +191,7 @@ mod tests {
         let shape = Shape::Box { center, half_size, rotation: Matrix::identity() };
         let positions = [[0.3, 0.35], [0.7, 0.4], [0.45, 0.65]].map(Vector::from).to_vec();
         let mesh = VolumeMesh { positions, simplices: vec![Simplex { root: 0, others: [1, 2] }] };
-        let law = ConstitutiveLaw::NeoHookean {
-            young_modulus: 1.0,
-            poisson_ratio: 0.3,
-            order: ElementOrder::Linear,
-        };
+        let law = ConstitutiveLaw::neo_hookean(1.0, 0.3, ElementOrder::Linear);
         let anchors = Vec::new();
         let description = ElasticSpecification { mesh, density: 1.0, law, damping_ratio: 0.0, anchors };
         let elastic = Elastic::new(description).unwrap_or_else(|e| panic!("{e}"));

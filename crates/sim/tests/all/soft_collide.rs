@@ -86,7 +86,7 @@ pub fn soft<const D: usize>(
 ) -> Solid<D> {
     let low = mesh.positions.iter().fold(Vector::repeat(1e9), |l: Vector<D>, x| l.inf(x));
     let high = mesh.positions.iter().fold(Vector::repeat(-1e9), |l: Vector<D>, x| l.sup(x));
-    let law = ConstitutiveLaw::NeoHookean { young_modulus, poisson_ratio: 0.3, order: ElementOrder::Linear };
+    let law = ConstitutiveLaw::neo_hookean(young_modulus, 0.3, ElementOrder::Linear);
     let description = ElasticSpecification { mesh, density: DENSITY, law, damping_ratio: damping, anchors };
     let elastic = Elastic::new(description).expect("a solid");
     let shape = Shape::Box {
