@@ -1,8 +1,8 @@
 //! Positions of the points of solids within a step, and their derivatives by the velocities of the nodes.
 
-use super::points::{CollisionPoints, PointOwner, SdfPair, angular_from_node};
+use super::points::{CollisionPoints, PointOwner, SdfPair};
 use crate::model::Model;
-use crate::solid::{Kinematics, RigidKinematics, SolidState};
+use crate::solid::{RigidKinematics, SolidState, angular_from_node};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 
@@ -55,7 +55,7 @@ impl<'a, const D: usize> Configuration<'a, D> {
     ) -> Self {
         let frame = |(k, now): (usize, &SolidState<D>)| {
             let mut rigid = now.as_rigid();
-            if let Kinematics::Deformable(_) = now.kinematics {
+            if now.as_deformable().is_some() {
                 return Frame { rigid, left_jacobian: Matrix::identity() };
             }
             let [velocity, turn] = [velocities[points.first_node[k]], velocities[points.first_node[k] + 1]];

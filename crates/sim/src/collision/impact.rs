@@ -15,7 +15,7 @@ use crate::coupling::impulses::moment;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
 use crate::repairs::Repairs;
-use crate::solid::{Kinematics, Solid, SolidKind, SolidState};
+use crate::solid::{Solid, SolidKind, SolidState};
 use meniscus_numerics::{Matrix, Vector};
 
 /// Maximum number of rounds in a step.
@@ -260,7 +260,7 @@ impl<const D: usize> ImpactSolver<'_, D> {
         let sides = [Some((c.pair.0, 1.0)), c.pair.1.map(|j| (j, -1.0))];
         for (i, sign) in sides.into_iter().flatten() {
             let (lightness, turn) = &self.inverse_masses[i];
-            let Kinematics::Rigid(now) = &mut self.solids[i].kinematics else { continue };
+            let Some(now) = self.solids[i].rigid_mut() else { continue };
             now.velocity += impulse * (sign * lightness);
             let spun = turn * moment(&(c.at - now.center), impulse) * sign;
             (0..3).for_each(|a| now.angular_velocity[a] += spun[a]);

@@ -4,10 +4,12 @@ use super::broad_phase::{CandidatePairs, Sweep};
 use super::configuration::Configuration;
 use super::points::{BARRIER_REACH_CELLS, CollisionPoints, PointOwner, ProbeSet};
 use crate::model::{Model, Wall};
+use crate::solid::surface::SolidSurface;
 use crate::solid::{RigidKinematics, Solid, SolidKind, SolidState};
 use meniscus_contact::{CollisionMesh, FeaturePairs, Plane};
 use meniscus_elastic::{Assembly, Elastic};
 use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_numerics::mesh::surface::area_vector;
 use meniscus_numerics::shape::Shape;
 use std::collections::BTreeMap;
@@ -26,7 +28,8 @@ impl<const D: usize> CollisionPoints<D> {
         let SampledSurfaces { owners, exposed, .. } = sampled;
         let mut areas = vec![0.0; model.solids.len()];
         surface.points().iter().for_each(|p| areas[owners[*p as usize].solid()] += surface.area(*p));
-        let (first_node, prescribed_nodes) = (first_nodes(model), prescribed_nodes(model));
+        let prescribed_nodes: Vec<bool> = model.solids.iter().flat_map(Solid::prescribed_nodes).collect();
+        let first_node = first_nodes(model);
         let assembly = assembly(model, &first_node, prescribed_nodes.clone());
         let mut all = Self {
             surface,
@@ -119,9 +122,7 @@ impl<const D: usize> SampledSurfaces<D> {
             probes: Vec::new(),
         };
         for (number, solid) in model.solids.iter().enumerate() {
-            if let Some(elastic) = solid.elastic() {
-                all.add_vertices(number, elastic);
-            }
+            all.add_vertices(number, &solid.kind.rest_surface());
         }
         for (number, solid) in model.solids.iter().enumerate() {
             if solid.elastic().is_none() && model.wetting_wall_solid() != Some(number) {
@@ -132,12 +133,13 @@ impl<const D: usize> SampledSurfaces<D> {
     }
 
     /// Adds the surface of a deformable solid.
-    fn add_vertices(&mut self, solid: usize, elastic: &Elastic<D>) {
-        let (surface, vertices) = elastic.rest_mesh().surface();
-        let from = self.owners.len() as u32;
-        self.owners.extend(vertices.iter().map(|v| PointOwner::Vertex { solid, vertex: *v as usize }));
-        self.positions.extend_from_slice(&surface.positions);
-        self.facets.extend(surface.facets.iter().map(|f| f.map(|v| v + from)));
+    fn add_vertices(&mut self, solid: usize, surface: &SolidSurface<D>) {
+        let (SurfaceMesh { positions, facets }, from) = (&surface.mesh, self.owners.len() as u32);
+        self.owners.extend(
+            surface.volume_vertices().iter().map(|v| PointOwner::Vertex { solid, vertex: *v as usize }),
+        );
+        self.positions.extend_from_slice(positions);
+        self.facets.extend(facets.iter().map(|f| f.map(|v| v + from)));
         self.exposed.resize(self.owners.len(), true);
     }
 
@@ -163,7 +165,7 @@ impl<const D: usize> SampledSurfaces<D> {
 fn first_nodes<const D: usize>(model: &Model<D>) -> Vec<usize> {
     let next = |nodes: &mut usize, solid: &Solid<D>| {
         let first = *nodes;
-        *nodes += solid.elastic().map_or(2, |elastic| elastic.masses().len());
+        *nodes += solid.node_count();
         Some(first)
     };
     model.solids.iter().scan(0, next).collect()
@@ -283,13 +285,4 @@ fn probe_sets<const D: usize>(model: &Model<D>) -> BTreeMap<(usize, usize), Prob
         }
     }
     all
-}
-
-/// Nodes with prescribed velocities.
-fn prescribed_nodes<const D: usize>(model: &Model<D>) -> Vec<bool> {
-    let of = |solid: &Solid<D>| match solid.elastic() {
-        Some(elastic) => elastic.anchored().to_vec(),
-        None => vec![solid.kind.is_prescribed(); 2],
-    };
-    model.solids.iter().flat_map(of).collect()
 }

@@ -8,7 +8,7 @@ use super::points::BARRIER_REACH_CELLS;
 use super::solid_response::BaseLoads;
 pub use super::solid_response::SolidResponse;
 
-pub use super::points::{CollisionPoints, angular_to_node};
+pub use super::points::CollisionPoints;
 use super::potential::time_levels::{EarlyPairs, OldTimeLevels};
 
 pub use super::potential::slips::Slips;
@@ -21,7 +21,7 @@ use crate::contact_line::friction::DraggedFace;
 use crate::flow::pressure::ProjectionOptions;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
-use crate::solid::{Kinematics, SolidState, SolidView, Solids};
+use crate::solid::{SolidState, SolidView, Solids, angular_to_node};
 use meniscus_contact::Barrier;
 use meniscus_elastic::{KEPT_FRACTION, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS};
 use meniscus_numerics::Vector;
@@ -115,7 +115,10 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             potential,
             solids,
             prescribed: prescribed_velocities(model, points, before, times.impulse_time),
-            elimination: EliminationOrder { structure: None, positions: node_positions(before) },
+            elimination: EliminationOrder {
+                structure: None,
+                positions: before.iter().flat_map(SolidState::node_positions).collect(),
+            },
             velocities: vec![Vector::zeros(); points.node_count()],
             own_gradients: Vec::new(),
             candidates: CandidatePairs::default(),
@@ -408,15 +411,6 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         }
         (self.velocities.clone(), false)
     }
-}
-
-/// Positions of all nodes, m.
-fn node_positions<const D: usize>(solids: &[SolidState<D>]) -> Vec<Vector<D>> {
-    let of = |solid: &SolidState<D>| match &solid.kinematics {
-        Kinematics::Deformable(body) => body.vertices.positions.clone(),
-        Kinematics::Rigid(rigid) => vec![rigid.center; 2],
-    };
-    solids.iter().flat_map(of).collect()
 }
 
 /// Velocities of all nodes: prescribed ones at the end of the step, and the old ones of the others.

@@ -5,7 +5,7 @@
 //! for a point of a rigid solid.
 
 use crate::model::Model;
-use crate::solid::{Kinematics, SolidKind, SolidState};
+use crate::solid::SolidState;
 use meniscus_contact::{CollisionMesh, Plane};
 use meniscus_elastic::Assembly;
 use meniscus_numerics::Vector;
@@ -135,16 +135,7 @@ impl<const D: usize> CollisionPoints<D> {
 
     /// Current velocities of the nodes.
     pub fn node_velocities(&self, solids: &[SolidState<D>]) -> Vec<Vector<D>> {
-        let mut all = Vec::with_capacity(self.node_count());
-        for now in solids {
-            match &now.kinematics {
-                Kinematics::Deformable(body) => all.extend_from_slice(&body.vertices.velocities),
-                Kinematics::Rigid(rigid) => {
-                    all.extend([rigid.velocity, angular_to_node(&rigid.angular_velocity)]);
-                }
-            }
-        }
-        all
+        solids.iter().flat_map(SolidState::node_velocities).collect()
     }
 
     /// Sets the velocities of the solids from those of the nodes.
@@ -154,19 +145,8 @@ impl<const D: usize> CollisionPoints<D> {
         solids: &mut [SolidState<D>],
         velocities: &[Vector<D>],
     ) {
-        for (k, (solid, now)) in model.solids.iter().zip(solids).enumerate() {
-            let own = &velocities[self.first_node[k]..];
-            match (&solid.kind, &mut now.kinematics) {
-                (SolidKind::Deformable(elastic), Kinematics::Deformable(body)) => {
-                    let count = body.vertices.velocities.len();
-                    body.vertices.velocities.copy_from_slice(&own[..count]);
-                    body.update_center_of_mass(elastic);
-                }
-                (SolidKind::Rigid, Kinematics::Rigid(rigid)) => {
-                    (rigid.velocity, rigid.angular_velocity) = (own[0], angular_from_node(&own[1]));
-                }
-                _ => {}
-            }
+        for ((solid, now), first) in model.solids.iter().zip(solids).zip(&self.first_node) {
+            solid.set_node_velocities(now, &velocities[*first..]);
         }
     }
 
@@ -174,22 +154,4 @@ impl<const D: usize> CollisionPoints<D> {
     pub fn node_count(&self) -> usize {
         self.prescribed_nodes.len()
     }
-}
-
-/// Angular velocity as the velocity of a node.
-pub fn angular_to_node<const D: usize>(angular_velocity: &[f64; 3]) -> Vector<D> {
-    Vector::from_fn(|a, _| {
-        if D == 3 {
-            angular_velocity[a]
-        } else if a == 0 {
-            angular_velocity[2]
-        } else {
-            0.0
-        }
-    })
-}
-
-/// Angular velocity of a node.
-pub fn angular_from_node<const D: usize>(node: &Vector<D>) -> [f64; 3] {
-    if D == 3 { std::array::from_fn(|a| node[a]) } else { [0.0, 0.0, node[0]] }
 }

@@ -4,12 +4,12 @@ use super::tied_face::{TiedFace, TiedSolid};
 use crate::coupling::impulses::CouplingImpulses;
 use crate::model::Model;
 use crate::solid::surface::distribute_to_vertices;
-use crate::solid::{Solid, SolidState};
+use crate::solid::{Solid, SolidState, angular_to_node};
 use meniscus_elastic::{AssemblyInverse, Reach};
 use meniscus_numerics::Vector;
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::points::{CollisionPoints, angular_to_node};
+use super::points::CollisionPoints;
 use crate::contact_line::friction::DraggedFace;
 
 /// Lumped compliance of a cell, relative to a full grid face, below which it counts as zero: a pocket that is closed but for so small a
@@ -55,13 +55,9 @@ impl<const D: usize> SolidResponse<D> {
         solution: AssemblyInverse<D>,
         loads: BaseLoads<D>,
     ) -> Self {
-        let of = |(solid, now): (&Solid<D>, &SolidState<D>)| match solid.elastic() {
-            Some(elastic) => elastic.masses().to_vec(),
-            None => vec![solid.mass_properties.mass, solid.inertia(&now.as_rigid()).trace() / 3.0],
-        };
-        let masses: Vec<f64> = model.solids.iter().zip(solids).flat_map(of).collect();
-        let nodes = |solid: &Solid<D>| solid.elastic().map_or(2, |e| e.masses().len());
-        let rigid = |solid: &Solid<D>| vec![solid.elastic().is_none(); nodes(solid)];
+        let pairs = model.solids.iter().zip(solids);
+        let masses = pairs.flat_map(|(solid, now)| solid.node_masses(now)).collect();
+        let rigid = |solid: &Solid<D>| vec![solid.elastic().is_none(); solid.node_count()];
         let rigid = model.solids.iter().flat_map(rigid).collect();
         Self { solution, first_node: points.first_node.clone(), masses, rigid, loads }
     }

@@ -17,7 +17,7 @@ use crate::flow::advection::VelocitySampler;
 use crate::model::Model;
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::simulation::Simulation;
-use crate::solid::{Kinematics, Solids};
+use crate::solid::Solids;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::mesh::{Contour, Geodesic, ShapeSurface, SurfaceMesh};
@@ -206,10 +206,7 @@ impl<const D: usize> TrackedSurface<D> {
     /// Appends the line on this solid.
     fn extract(&self, seen: &LineSampler<'_, D>, number: usize, line: &mut ContactLine<D>) {
         let solid = seen.solids.get(number);
-        let rigid = match &solid.state.kinematics {
-            Kinematics::Rigid(rigid) => Some(rigid),
-            Kinematics::Deformable(_) => None,
-        };
+        let rigid = solid.state.rigid();
         let moved = |x: &Vector<D>| rigid.map_or(*x, |rigid| solid.to_current(rigid, x));
         let value = |(x, n): (&Vector<D>, &Vector<D>)| {
             let normal = rigid.map_or(*n, |rigid| rigid.rotation * n);

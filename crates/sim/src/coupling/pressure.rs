@@ -12,11 +12,10 @@
 //! ([`PressureCoupling::off_center_impulses`]), which acts before a second solve.
 
 use super::impulses::{ComponentSolid, CouplingImpulses, Impulse};
-use crate::collision::points::angular_to_node;
 use crate::collision::solid_response::{FluxRow, SolidResponse};
 use crate::model::Model;
 use crate::solid::surface::SurfacePoint;
-use crate::solid::{Kinematics, SolidKind, SolidState, Solids};
+use crate::solid::{SolidState, Solids, angular_to_node};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CutCell, CutCells};
 use meniscus_numerics::linalg::{CoupledBodies, InPlaceSolve, SparseColumn};
@@ -64,8 +63,8 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
     pub fn for_each_flux(&self, mut f: impl FnMut(usize, f64)) {
         for (w, grip) in self.wetted_surfaces {
             let state = &self.solids[w.solid as usize];
-            let flux = match (&state.kinematics, grip) {
-                (Kinematics::Deformable(body), Some(grip)) => {
+            let flux = match (state.as_deformable(), grip) {
+                (Some(body), Some(grip)) => {
                     grip.interpolate(|k| body.vertices.velocities[k]).dot(&w.area_vector)
                 }
                 _ => {
@@ -235,7 +234,7 @@ pub fn apply_impulses_to_rigid<const D: usize>(
 ) {
     let sums = exchange.by_solid(solids.len());
     for ((now, solid), sum) in solids.iter_mut().zip(&model.solids).zip(sums) {
-        if let (SolidKind::Rigid, Kinematics::Rigid(rigid)) = (&solid.kind, &mut now.kinematics) {
+        if let Some(rigid) = solid.free_rigid_mut(now) {
             rigid.velocity += sum.linear / solid.mass_properties.mass;
             let spin = Vector::<3>::from(rigid.angular_velocity)
                 + solid.inverse_inertia(rigid) * sum.moment_about(&rigid.center);
@@ -256,7 +255,7 @@ mod tests {
     use crate::model::resolution::BAND_WIDTH_CELLS;
     use crate::model::time_step::StepTimes;
     use crate::simulation::workspace::Workspace;
-    use crate::solid::Solid;
+    use crate::solid::{Solid, SolidKind};
     use crate::state::State;
     use meniscus_numerics::Matrix;
     use meniscus_numerics::grid::{FaceField, Grid};

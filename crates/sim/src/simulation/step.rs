@@ -24,7 +24,7 @@ use crate::model::time_step::{
     MAX_DT_GROWTH, PhaseEnd, StepTimes, impulse_time, lookahead_time, unbounded_impulse_time,
 };
 use crate::repairs::Repairs;
-use crate::solid::{Kinematics, SolidKind, SolidState, Solids};
+use crate::solid::{SolidState, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::linalg::{SolveError, SolveReport};
@@ -271,7 +271,7 @@ fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mu
 /// Adds gravity to the velocity.
 fn apply_gravity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>, dt: f64) {
     for (now, solid) in state.solids.iter_mut().zip(&model.solids) {
-        if let (SolidKind::Rigid, Kinematics::Rigid(rigid)) = (&solid.kind, &mut now.kinematics) {
+        if let Some(rigid) = solid.free_rigid_mut(now) {
             rigid.velocity += model.gravity * dt;
         }
     }

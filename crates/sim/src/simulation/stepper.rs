@@ -13,7 +13,7 @@ use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::model::time_step::{PhaseEnd, next_dt, stable_dt, uniform_dt};
 use crate::model::{Model, Scheme};
 use crate::repairs::Repairs;
-use crate::solid::{Kinematics, SolidView, Solids};
+use crate::solid::{SolidView, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::{Runs, Sampler};
 use meniscus_numerics::linalg::SolveError;
@@ -348,7 +348,7 @@ impl<const D: usize> Simulation<D> {
     /// Wetted fraction of a solid's surface, 0 to 1.
     pub fn wetted_fraction(&self, number: usize) -> f64 {
         let solid = self.solid(number);
-        if let Kinematics::Deformable(_) = solid.state.kinematics {
+        if solid.state.as_deformable().is_some() {
             return self.wetted_fraction_of_surface(&solid.surface.mesh, solid.padding);
         }
         let own = self.workspace.cut_cells.cells.iter().filter(|w| w.solid as usize == number);

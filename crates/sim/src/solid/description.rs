@@ -4,7 +4,7 @@
 //! rotates with it: the step uses the `ω` of `L` at the midpoint, which conserves `L` exactly and the energy to second order.
 
 use super::kind::SolidKind;
-use super::kinematics::{DeformableKinematics, Kinematics, RigidKinematics, SolidState};
+use super::kinematics::{RigidKinematics, SolidState, angular_from_node};
 use super::mass_properties::MassProperties;
 use super::wettability::{Hysteresis, WettabilityLayer};
 use meniscus_elastic::Elastic;
@@ -51,7 +51,7 @@ impl<const D: usize> Solid<D> {
     /// [`DEFAULT_FRICTION`]. An unbounded solid has no finite mass to move freely: it is fixed.
     pub fn new(shape: Shape<D>, kind: SolidKind<D>, density: f64) -> Self {
         let mut mass_properties = MassProperties::homogeneous(&shape, density);
-        if let SolidKind::Deformable(elastic) = &kind {
+        if let Some(elastic) = kind.elastic() {
             mass_properties.mass = elastic.masses().iter().sum();
         }
         let is_massless = kind.is_free_rigid() && !mass_properties.mass.is_finite();
@@ -80,25 +80,49 @@ impl<const D: usize> Solid<D> {
 
     /// State at the start.
     pub fn initial_state(&self) -> SolidState<D> {
-        let at_rest = RigidKinematics::at_rest(self.mass_properties.center);
-        SolidState::new(match &self.kind {
-            SolidKind::Deformable(elastic) => {
-                Kinematics::Deformable(DeformableKinematics::at_start(elastic, &self.initial_velocity))
-            }
-            SolidKind::Prescribed(path) => Kinematics::Rigid(RigidKinematics {
-                velocity: path.mean_velocity(0.0, 1e-9),
-                angular_velocity: path.angular_velocity,
-                ..at_rest
-            }),
-            SolidKind::Fixed | SolidKind::Rigid => {
-                Kinematics::Rigid(RigidKinematics { velocity: self.initial_velocity, ..at_rest })
-            }
-        })
+        SolidState::new(self.kind.initial_kinematics(self.mass_properties.center, self.initial_velocity))
     }
 
     /// The elastic body, if it deforms.
     pub fn elastic(&self) -> Option<&Elastic<D>> {
-        if let SolidKind::Deformable(elastic) = &self.kind { Some(elastic) } else { None }
+        self.kind.elastic()
+    }
+
+    /// Number of its nodes.
+    pub fn node_count(&self) -> usize {
+        self.elastic().map_or(2, |elastic| elastic.masses().len())
+    }
+
+    /// Masses of its nodes, kg; of an angular velocity the moment of inertia, kg m².
+    pub fn node_masses(&self, now: &SolidState<D>) -> Vec<f64> {
+        match self.elastic() {
+            Some(elastic) => elastic.masses().to_vec(),
+            None => vec![self.mass_properties.mass, self.inertia(&now.as_rigid()).trace() / 3.0],
+        }
+    }
+
+    /// Whether the velocity of each of its nodes is prescribed.
+    pub fn prescribed_nodes(&self) -> Vec<bool> {
+        match self.elastic() {
+            Some(elastic) => elastic.anchored().to_vec(),
+            None => vec![self.kind.is_prescribed(); 2],
+        }
+    }
+
+    /// Sets its velocity from those of its nodes, the first of `velocities` (m/s), unless it is prescribed.
+    pub fn set_node_velocities(&self, now: &mut SolidState<D>, velocities: &[Vector<D>]) {
+        if let (Some(elastic), Some(body)) = (self.elastic(), now.deformable_mut()) {
+            let count = body.vertices.velocities.len();
+            body.vertices.velocities.copy_from_slice(&velocities[..count]);
+            body.update_center_of_mass(elastic);
+        } else if let Some(rigid) = self.free_rigid_mut(now) {
+            (rigid.velocity, rigid.angular_velocity) = (velocities[0], angular_from_node(&velocities[1]));
+        }
+    }
+
+    /// Position and velocity of a solid that is rigid and moved by forces.
+    pub fn free_rigid_mut<'a>(&self, now: &'a mut SolidState<D>) -> Option<&'a mut RigidKinematics<D>> {
+        now.rigid_mut().filter(|_| self.kind.is_free_rigid())
     }
 
     /// Whether it moves freely as a whole.
@@ -137,11 +161,9 @@ impl<const D: usize> Solid<D> {
 
     /// Largest speed of any of its points, m/s.
     pub fn max_speed(&self, now: &SolidState<D>) -> f64 {
-        match &now.kinematics {
-            Kinematics::Rigid(rigid) => self.max_rigid_speed(rigid),
-            Kinematics::Deformable(body) => {
-                body.vertices.velocities.iter().map(Vector::norm).fold(0.0, f64::max)
-            }
+        match now.as_deformable() {
+            Some(body) => body.vertices.velocities.iter().map(Vector::norm).fold(0.0, f64::max),
+            None => self.max_rigid_speed(&now.as_rigid()),
         }
     }
 
@@ -159,37 +181,30 @@ impl<const D: usize> Solid<D> {
     /// Advances it from `time` by `dt` (s). The velocity of a prescribed motion is then that of the coming step, for which the liquid's
     /// is solved.
     pub fn advance(&self, now: &mut SolidState<D>, time: f64, dt: f64) {
-        match (&self.kind, &mut now.kinematics) {
-            (SolidKind::Prescribed(path), Kinematics::Rigid(rigid)) => {
-                rigid.center = self.mass_properties.center + path.displacement(time + dt);
-                rigid.velocity = path.mean_velocity(time + dt, dt);
-                rigid.angular_velocity = path.angular_velocity;
-                rigid.rotate(&path.angular_velocity, dt);
-            }
-            (SolidKind::Rigid, Kinematics::Rigid(rigid)) => {
-                rigid.center += rigid.velocity * dt;
-                let momentum = self.angular_momentum(rigid);
-                let mut half = *rigid;
-                half.rotate(&rigid.angular_velocity, 0.5 * dt);
-                let spin: [f64; 3] = (self.inverse_inertia(&half) * momentum).into();
-                rigid.rotate(&spin, dt);
-                rigid.angular_velocity = (self.inverse_inertia(rigid) * momentum).into();
-            }
-            (SolidKind::Deformable(elastic), Kinematics::Deformable(body)) => {
-                elastic.advance_positions(&mut body.vertices, dt);
-                body.update_center_of_mass(elastic);
-            }
-            _ => {}
+        if let (Some(elastic), Some(body)) = (self.elastic(), now.deformable_mut()) {
+            elastic.advance_positions(&mut body.vertices, dt);
+            body.update_center_of_mass(elastic);
+        } else if let (SolidKind::Prescribed(path), Some(rigid)) = (&self.kind, now.rigid_mut()) {
+            rigid.center = self.mass_properties.center + path.displacement(time + dt);
+            rigid.velocity = path.mean_velocity(time + dt, dt);
+            rigid.angular_velocity = path.angular_velocity;
+            rigid.rotate(&path.angular_velocity, dt);
+        } else if let Some(rigid) = self.free_rigid_mut(now) {
+            rigid.center += rigid.velocity * dt;
+            let momentum = self.angular_momentum(rigid);
+            let mut half = *rigid;
+            half.rotate(&rigid.angular_velocity, 0.5 * dt);
+            let spin: [f64; 3] = (self.inverse_inertia(&half) * momentum).into();
+            rigid.rotate(&spin, dt);
+            rigid.angular_velocity = (self.inverse_inertia(rigid) * momentum).into();
         }
     }
 
     /// Kinetic energy, J.
     pub fn kinetic_energy(&self, now: &SolidState<D>) -> f64 {
-        match (&self.kind, &now.kinematics) {
-            (SolidKind::Deformable(elastic), Kinematics::Deformable(body)) => {
-                elastic.kinetic_energy(&body.vertices.velocities)
-            }
-            _ => {
+        match self.elastic().zip(now.as_deformable()) {
+            Some((elastic, body)) => elastic.kinetic_energy(&body.vertices.velocities),
+            None => {
                 let rigid = now.as_rigid();
                 let turning = self.angular_momentum(&rigid).dot(&Vector::<3>::from(rigid.angular_velocity));
                 0.5 * (self.mass_properties.mass * rigid.velocity.norm_squared() + turning)
@@ -214,7 +229,7 @@ fn embed_in_3d<const D: usize>(rotation: &Matrix<D>) -> Matrix<3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solid::PrescribedMotion;
+    use crate::solid::{Kinematics, PrescribedMotion};
 
     #[test]
     fn a_tumbling_box_keeps_momentum_and_energy() {

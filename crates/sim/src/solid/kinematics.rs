@@ -60,6 +60,38 @@ impl<const D: usize> SolidState<D> {
         Self { kinematics, pressure_force: none, contact_line_force: none, contact_acceleration: none }
     }
 
+    /// Position and velocity of a rigid solid.
+    pub fn rigid(&self) -> Option<&RigidKinematics<D>> {
+        match &self.kinematics {
+            Kinematics::Rigid(rigid) => Some(rigid),
+            Kinematics::Deformable(_) => None,
+        }
+    }
+
+    /// [`Self::rigid`], to be changed.
+    pub fn rigid_mut(&mut self) -> Option<&mut RigidKinematics<D>> {
+        match &mut self.kinematics {
+            Kinematics::Rigid(rigid) => Some(rigid),
+            Kinematics::Deformable(_) => None,
+        }
+    }
+
+    /// Positions and velocities of a deformable solid.
+    pub fn as_deformable(&self) -> Option<&DeformableKinematics<D>> {
+        match &self.kinematics {
+            Kinematics::Rigid(_) => None,
+            Kinematics::Deformable(body) => Some(body),
+        }
+    }
+
+    /// [`Self::as_deformable`], to be changed.
+    pub fn deformable_mut(&mut self) -> Option<&mut DeformableKinematics<D>> {
+        match &mut self.kinematics {
+            Kinematics::Rigid(_) => None,
+            Kinematics::Deformable(body) => Some(body),
+        }
+    }
+
     /// The solid as if it were rigid: a deformable one moves with its centre of mass, without rotation.
     pub fn as_rigid(&self) -> RigidKinematics<D> {
         match &self.kinematics {
@@ -70,11 +102,19 @@ impl<const D: usize> SolidState<D> {
         }
     }
 
-    /// Positions and velocities of a deformable solid.
-    pub fn as_deformable(&self) -> Option<&DeformableKinematics<D>> {
-        match &self.kinematics {
-            Kinematics::Rigid(_) => None,
-            Kinematics::Deformable(body) => Some(body),
+    /// Positions of its nodes, m. Those of a deformable solid are its vertices; both of a rigid one are at its centre.
+    pub fn node_positions(&self) -> Vec<Vector<D>> {
+        match self.as_deformable() {
+            Some(body) => body.vertices.positions.clone(),
+            None => vec![self.center_of_mass(); 2],
+        }
+    }
+
+    /// Velocities of its nodes. Those of a rigid solid are its velocity and its angular velocity.
+    pub fn node_velocities(&self) -> Vec<Vector<D>> {
+        match self.as_deformable() {
+            Some(body) => body.vertices.velocities.clone(),
+            None => vec![self.velocity(), angular_to_node(&self.as_rigid().angular_velocity)],
         }
     }
 
@@ -127,4 +167,22 @@ impl<const D: usize> DeformableKinematics<D> {
         let mean = |of: &[Vector<D>]| of.iter().zip(masses).map(|(x, m)| x * (m / mass)).sum();
         (self.center, self.velocity) = (mean(&self.vertices.positions), mean(&self.vertices.velocities));
     }
+}
+
+/// Angular velocity as the velocity of a node.
+pub fn angular_to_node<const D: usize>(angular_velocity: &[f64; 3]) -> Vector<D> {
+    Vector::from_fn(|a, _| {
+        if D == 3 {
+            angular_velocity[a]
+        } else if a == 0 {
+            angular_velocity[2]
+        } else {
+            0.0
+        }
+    })
+}
+
+/// Angular velocity of a node.
+pub fn angular_from_node<const D: usize>(node: &Vector<D>) -> [f64; 3] {
+    if D == 3 { std::array::from_fn(|a| node[a]) } else { [0.0, 0.0, node[0]] }
 }

@@ -12,5 +12,7 @@ pub mod wettability;
 
 pub use description::{DEFAULT_FRICTION, DEFAULT_RESTITUTION, MIN_PLATE_THICKNESS_CELLS, Solid};
 pub use kind::{PrescribedMotion, SolidKind};
-pub use kinematics::{DeformableKinematics, Kinematics, RigidKinematics, SolidState};
+pub use kinematics::{
+    DeformableKinematics, Kinematics, RigidKinematics, SolidState, angular_from_node, angular_to_node,
+};
 pub use view::{SolidSurfaces, SolidView, Solids};

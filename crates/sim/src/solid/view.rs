@@ -4,7 +4,7 @@
 //! the state, and the workspace keeps it.
 
 use super::description::Solid;
-use super::kinematics::{Kinematics, SolidState};
+use super::kinematics::SolidState;
 use super::surface::SolidSurface;
 use crate::model::Model;
 use meniscus_numerics::Vector;
@@ -19,10 +19,7 @@ pub struct SolidSurfaces<const D: usize>(Vec<Arc<SolidSurface<D>>>);
 impl<const D: usize> SolidSurfaces<D> {
     /// The surfaces of solids in these states.
     pub fn new(solids: &[Solid<D>], states: &[SolidState<D>]) -> Self {
-        let at_rest = |solid: &Solid<D>| {
-            let (mesh, vertices) = solid.elastic().map(|e| e.rest_mesh().surface()).unwrap_or_default();
-            Arc::new(SolidSurface::new(mesh, vertices))
-        };
+        let at_rest = |solid: &Solid<D>| Arc::new(solid.kind.rest_surface());
         let mut surfaces = Self(solids.iter().map(at_rest).collect());
         surfaces.update(states);
         surfaces
@@ -31,7 +28,7 @@ impl<const D: usize> SolidSurfaces<D> {
     /// Moves the surfaces to these states.
     pub fn update(&mut self, states: &[SolidState<D>]) {
         for (surface, now) in self.0.iter_mut().zip(states) {
-            if let Kinematics::Deformable(body) = &now.kinematics {
+            if let Some(body) = now.as_deformable() {
                 *surface = Arc::new(surface.with_positions(&body.vertices.positions));
             }
         }
@@ -110,9 +107,9 @@ impl<const D: usize> Deref for SolidView<'_, D> {
 impl<const D: usize> SolidView<'_, D> {
     /// Signed distance to its surface, m, negative inside.
     pub fn distance(&self, x: &Vector<D>) -> f64 {
-        match &self.state.kinematics {
-            Kinematics::Rigid(rigid) => self.shape.signed_distance(&self.to_reference(rigid, x)),
-            Kinematics::Deformable(_) => self.surface.distance(x),
+        match self.state.rigid() {
+            Some(rigid) => self.shape.signed_distance(&self.to_reference(rigid, x)),
+            None => self.surface.distance(x),
         }
     }
 
@@ -123,7 +120,7 @@ impl<const D: usize> SolidView<'_, D> {
 
     /// Outward direction from its surface, by differences over `step` (m); zero where there is none.
     pub fn normal(&self, x: &Vector<D>, step: f64) -> Vector<D> {
-        if let Kinematics::Deformable(_) = self.state.kinematics {
+        if self.state.rigid().is_none() {
             return self.surface.normal(x, step);
         }
         let slope: Vector<D> = Vector::from_fn(|a, _| {
@@ -135,9 +132,9 @@ impl<const D: usize> SolidView<'_, D> {
 
     /// Velocity of the solid at a point, m/s; that of the closest point of its surface if it deforms.
     pub fn velocity_at(&self, x: &Vector<D>) -> Vector<D> {
-        match &self.state.kinematics {
-            Kinematics::Rigid(rigid) => rigid.velocity_at(x),
-            Kinematics::Deformable(body) => {
+        match self.state.as_deformable() {
+            None => self.state.as_rigid().velocity_at(x),
+            Some(body) => {
                 let point = self.surface.closest_point(x);
                 point.map_or(body.velocity, |point| point.interpolate(|k| body.vertices.velocities[k]))
             }
@@ -146,7 +143,7 @@ impl<const D: usize> SolidView<'_, D> {
 
     /// [`Self::normal`] and [`Self::velocity_at`].
     pub fn normal_and_velocity(&self, x: &Vector<D>, step: f64) -> [Vector<D>; 2] {
-        if let Kinematics::Deformable(body) = &self.state.kinematics
+        if let Some(body) = self.state.as_deformable()
             && let Some((point, normal)) = self.surface.closest_point_and_normal(x, step)
         {
             return [normal, point.interpolate(|k| body.vertices.velocities[k])];
@@ -156,9 +153,9 @@ impl<const D: usize> SolidView<'_, D> {
 
     /// Bounding box of its surface, m.
     pub fn bounds(&self) -> [Vector<D>; 2] {
-        match &self.state.kinematics {
-            Kinematics::Rigid(rigid) => self.rigid_bounds(rigid),
-            Kinematics::Deformable(_) => self.surface.bounds(),
+        match self.state.rigid() {
+            Some(rigid) => self.rigid_bounds(rigid),
+            None => self.surface.bounds(),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::Overlap;
 use super::surfaces::DeformableSurfaces;
 use crate::model::Wall;
-use crate::solid::{Kinematics, Solids};
+use crate::solid::Solids;
 use meniscus_contact::broad_phase::{Aabb, overlapping_pairs};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
@@ -46,7 +46,7 @@ pub fn deformable_overlaps<const D: usize>(
                 if is_prescribed { &unanchored } else { vertices }.iter().map(within).fold(0.0, f64::max);
             let is_anchored_inside =
                 is_prescribed && (0..vertices.len()).any(|k| is_anchored(k) && within(&vertices[k]) >= 0.0);
-            if let Kinematics::Rigid(rigid) = &other.state.kinematics
+            if let Some(rigid) = other.state.rigid()
                 && !is_anchored_inside
             {
                 let at = |p: &SurfaceSample<D>| other.to_current(rigid, &p.position);

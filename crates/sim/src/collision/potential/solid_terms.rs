@@ -1,11 +1,10 @@
 //! Each solid's own term of a step's potential, and the loads on deformable solids.
 
 use super::incremental_potential::{RigidTerm, SolidTerm};
-use crate::collision::points::angular_to_node;
 use crate::coupling::impulses::CouplingImpulses;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
-use crate::solid::{Kinematics, RigidKinematics, Solid, SolidKind, SolidState};
+use crate::solid::{RigidKinematics, Solid, SolidState, angular_to_node};
 use meniscus_elastic::{Elastic, ElasticState, IncrementalPotential, StiffnessBlock};
 use meniscus_numerics::{Matrix, Vector};
 
@@ -48,14 +47,16 @@ pub fn solid_terms<'a, const D: usize>(
     loads: &'a [Option<DeformableLoads<D>>],
     times: StepTimes,
 ) -> Vec<SolidTerm<'a, D>> {
-    let term = |k: usize| match (&model.solids[k].kind, &before[k].kinematics, &loads[k]) {
-        (SolidKind::Deformable(elastic), Kinematics::Deformable(body), Some(loads)) => {
-            SolidTerm::Deformable(deformable_term(elastic, &body.vertices, loads, times))
+    let term = |k: usize| {
+        let (solid, before) = (&model.solids[k], &before[k]);
+        if let (Some(elastic), Some(body), Some(loads)) = (solid.elastic(), before.as_deformable(), &loads[k])
+        {
+            return SolidTerm::Deformable(deformable_term(elastic, &body.vertices, loads, times));
         }
-        (SolidKind::Rigid, Kinematics::Rigid(rigid), _) => {
-            SolidTerm::Rigid(rigid_term(&model.solids[k], rigid, &forced[k].as_rigid()))
+        match before.rigid().filter(|_| solid.kind.is_free_rigid()) {
+            Some(rigid) => SolidTerm::Rigid(rigid_term(solid, rigid, &forced[k].as_rigid())),
+            None => SolidTerm::Prescribed,
         }
-        _ => SolidTerm::Prescribed,
     };
     (0..model.solids.len()).map(term).collect()
 }

@@ -1,33 +1,6 @@
-//! Kinds of solids: fixed, prescribed, rigid or deformable.
+//! Prescribed motion of a rigid solid.
 
-use meniscus_elastic::Elastic;
 use meniscus_numerics::Vector;
-use std::sync::Arc;
-
-/// Kind of a solid. Its state is an arm of [`super::Kinematics`].
-#[derive(Clone, Debug)]
-pub enum SolidKind<const D: usize> {
-    /// It is rigid and stays at rest.
-    Fixed,
-    /// It is rigid, and its motion is prescribed.
-    Prescribed(PrescribedMotion<D>),
-    /// It is rigid and moves freely under gravity, liquid and contacts.
-    Rigid,
-    /// It deforms under the same and its own elastic forces.
-    Deformable(Arc<Elastic<D>>),
-}
-
-impl<const D: usize> SolidKind<D> {
-    /// Whether the motion does not depend on forces.
-    pub fn is_prescribed(&self) -> bool {
-        matches!(self, Self::Fixed | Self::Prescribed(_))
-    }
-
-    /// Whether it is rigid and forces move it.
-    pub fn is_free_rigid(&self) -> bool {
-        matches!(self, Self::Rigid)
-    }
-}
 
 /// A prescribed motion.
 #[derive(Clone, Debug, PartialEq)]
