@@ -19,6 +19,25 @@ const MIN_ELEMENT_QUALITY: f64 = 1e-3;
 /// Relative change of the squared lowest frequency at which the iteration for the damping ends.
 const DAMPING_FREQUENCY_TOLERANCE: f64 = 1e-3;
 
+/// Parts of a deformable solid with any kind of elements.
+#[derive(Debug)]
+pub struct ElasticParts<const D: usize> {
+    /// The vertices at rest; simplices are not needed.
+    pub rest_mesh: VolumeMesh<D>,
+    /// Masses of the vertices, kg (2D: kg/m).
+    pub masses: Vec<f64>,
+    /// Terms of the energy.
+    pub terms: Vec<Box<dyn DiscreteGradientTerm<D>>>,
+    /// Anchored vertices.
+    pub anchors: Vec<Anchor<D>>,
+    /// As in [`ElasticSpecification`].
+    pub damping_ratio: f64,
+    /// Young's modulus, Pa, which scales the stiffness of contacts.
+    pub young_modulus: f64,
+    /// Barriers against the inversion of elements.
+    pub inversion_barriers: Vec<Continuum<InversionBarrier, D>>,
+}
+
 impl<const D: usize> Elastic<D> {
     /// A solid from its specification.
     ///
@@ -46,25 +65,40 @@ impl<const D: usize> Elastic<D> {
         )?;
         law.check()?;
         let masses = lumped_masses(&mesh, density)?;
-        let anchored = anchored_vertices(&mesh, &anchors)?;
         let mut terms = terms(&mesh, law)?;
         terms.extend(extra_terms);
+        Self::of_parts(ElasticParts {
+            masses,
+            terms,
+            anchors,
+            damping_ratio,
+            young_modulus: young_modulus(&mesh, law),
+            inversion_barriers: inversion_barriers(&mesh, law)?,
+            rest_mesh: mesh,
+        })
+    }
+
+    /// A solid from its parts.
+    ///
+    /// # Errors
+    /// [`ElasticError`] where anchors are invalid, or the matrix is too large.
+    pub fn of_parts(parts: ElasticParts<D>) -> Result<Self, ElasticError> {
+        let ElasticParts { rest_mesh, masses, terms, anchors, damping_ratio, .. } = parts;
+        let anchored = anchored_vertices(&rest_mesh, &anchors)?;
         let pattern = Arc::new(SparsityPattern::new(masses.len(), terms.iter().map(|t| t.couplings())));
-        let inversion_barriers = inversion_barriers(&mesh, law)?;
-        let young_modulus = young_modulus(&mesh, law);
-        let solver = LinearSolver::new(&mesh.positions, &pattern, &anchored)
+        let solver = LinearSolver::new(&rest_mesh.positions, &pattern, &anchored)
             .ok_or(ElasticError::TooLarge { vertices: masses.len() })?;
         let mut body = Self {
-            rest_mesh: mesh,
+            rest_mesh,
             masses,
             terms,
             anchors,
             anchored,
             damping_time: 0.0,
-            young_modulus,
+            young_modulus: parts.young_modulus,
             solver,
             pattern,
-            inversion_barriers,
+            inversion_barriers: parts.inversion_barriers,
         };
         if damping_ratio > 0.0 {
             let lowest = lowest_modes_to_tolerance(&body, 1, DAMPING_FREQUENCY_TOLERANCE)?;

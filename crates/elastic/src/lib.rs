@@ -30,6 +30,7 @@ mod state;
 mod step;
 mod term;
 
+pub use construct::ElasticParts;
 pub use elastic_solid::Elastic;
 pub use error::ElasticError;
 pub use incremental_potential::IncrementalPotential;

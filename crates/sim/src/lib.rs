@@ -27,6 +27,7 @@ pub use repairs::{Quantity, Repairs};
 pub use simulation::diagnostics::{Diagnostics, StepReport};
 pub use simulation::{LiquidRegion, Simulation, StepError};
 pub use solid::domain_walls::WETTING_WALL_MARGIN_CELLS;
+pub use solid::kind;
 pub use solid::mass_properties::MassProperties;
 pub use solid::wettability::{CosineImage, Hysteresis, WettabilityLayer};
 pub use solid::{

@@ -1,10 +1,9 @@
 //! Builds a simulation from a scene.
 
 mod any_simulation;
-mod constraints;
-mod deformable;
 pub mod displaced_liquid;
 mod initial_condition;
+mod kinds;
 mod setup;
 mod shapes;
 mod terms;

@@ -14,9 +14,8 @@ use crate::run::{self, Outcome, RunError};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Numerics, PrescribedMotion, Solid, SolidKind};
+use meniscus_sim::{Model, Numerics, Solid};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// Initial condition in two or three dimensions.
 #[derive(Clone)]
@@ -254,24 +253,7 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
 fn solid<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Solid<D>, SceneError> {
     let shape = shape(&spec.shape, &scene.files);
     shape.iter().try_for_each(|shape| check_mesh_inside_domain(scene, spec, shape))?;
-    let kind = match &spec.material {
-        Material::Kinematic { velocity, angular_velocity, keyframes } => {
-            let mut angular_velocity_3d = [0.0; 3];
-            let first = 3 - angular_velocity.len().min(3);
-            angular_velocity_3d[first..].copy_from_slice(&angular_velocity[..3 - first]);
-            let keyframes = keyframes.iter().map(|k| (k.time, vector(&k.translate))).collect();
-            SolidKind::Prescribed(PrescribedMotion {
-                velocity: vector(velocity),
-                angular_velocity: angular_velocity_3d,
-                keyframes,
-            })
-        }
-        Material::Rigid { fixed: false } => SolidKind::Rigid,
-        _ => match super::deformable::elastic(scene, spec)? {
-            Some(elastic) => SolidKind::Deformable(Arc::new(elastic)),
-            None => SolidKind::Fixed,
-        },
-    };
+    let kind = super::kinds::kind(scene, spec)?;
     let mut solid = Solid::new(shape?, kind, spec.density.unwrap_or(scene.liquid.density));
     solid.initial_velocity = vector(&spec.velocity);
     let tension = scene.tension.solids.iter().find(|(name, _)| *name == spec.name);

@@ -18,16 +18,11 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
     let is_wave = |s: &ShapeSpec| matches!(s, ShapeSpec::Wave { .. });
     for (i, solid) in scene.solids.iter().enumerate() {
         let at = |key: &str| format!("solid.{i}.{key}");
-        match solid.material {
-            Material::Shell { .. } | Material::Rod { .. } => {
-                let help = "use material.neo_hookean, corotated or springs; `meniscus check` still checks such scenes";
-                return refuse(
-                    &at("material"),
-                    "thin sheets and threads (material.shell, material.rod)",
-                    help,
-                );
-            }
-            _ => {}
+        if !solid.material.is_supported() {
+            let help =
+                "use material.neo_hookean, corotated or springs; `meniscus check` still checks such scenes";
+            let what = "thin sheets and threads (material.shell, material.rod)";
+            return refuse(&at("material"), what, help);
         }
         let rigid = matches!(solid.material, Material::Rigid { .. } | Material::Kinematic { .. });
         if rigid && !solid.fixed.is_empty() {

@@ -92,6 +92,11 @@ impl Material {
         matches!(self, Self::Springs { .. } | Self::NeoHookean(_) | Self::Corotated(_))
     }
 
+    /// Whether this version runs solids of this material.
+    pub fn is_supported(&self) -> bool {
+        !matches!(self, Self::Shell { .. } | Self::Rod { .. })
+    }
+
     /// Leaves out velocities where keyframes are given.
     pub(super) fn omit_unused(&mut self) {
         if let Self::Kinematic { velocity, angular_velocity, keyframes } = self

@@ -1,6 +1,6 @@
 //! Anchored vertices of deformable solids: fixed parts and parts with prescribed motion.
 
-use super::shapes::shape;
+use crate::build::shapes::shape;
 use crate::error::SceneError;
 use crate::file::{Domain, Moved, Scene, Solid as SolidSpec, Wall, vector};
 use meniscus_elastic::{Anchor, AnchorMotion};

@@ -1,6 +1,6 @@
 //! Builds the deformable solids of a scene: mesh, constitutive law, anchors.
 
-use super::shapes::shape;
+use crate::build::shapes::shape;
 use crate::error::SceneError;
 use crate::estimate::stiffness::check_stiffness;
 use crate::file::{
@@ -35,7 +35,7 @@ pub fn elastic<const D: usize>(scene: &Scene, spec: &SolidSpec) -> Result<Option
     check_stiffness(scene, spec, &mesh, density)
         .map_err(|error| scene.source.at_value(error, &scene.source.first_inside(&at("material"))))?;
     let description = ElasticSpecification { mesh, density, law, damping_ratio, anchors };
-    let terms = super::terms::extra_terms(scene, spec, &description.mesh)?;
+    let terms = crate::build::terms::extra_terms(scene, spec, &description.mesh)?;
     Elastic::with_terms(description, terms).map(Some).map_err(|error| {
         let key = match error {
             ElasticError::Material { .. } => "material",
@@ -72,7 +72,7 @@ fn mesh<const D: usize>(
 ) -> Result<VolumeMesh<D>, String> {
     let (spec, edge) = (&solid.shape, solid.mesh_edge);
     if spec.volume_file().is_some() {
-        let mesh = super::shapes::file_volume_mesh::<D>(spec, files)?;
+        let mesh = crate::build::shapes::file_volume_mesh::<D>(spec, files)?;
         return Ok(if order == ElementOrder::Quadratic { mesh.subdivided() } else { mesh });
     }
     if let ShapeSpec::Extrusion { outline, thickness, center, rotation: turned } = spec {
