@@ -81,15 +81,15 @@ impl<const D: usize> Elastic<D> {
         sums.into_iter().map(|(volume, sum)| if volume > 0.0 { sum / volume } else { 0.0 }).collect()
     }
 
-    /// Largest norm of the velocity gradient in an element, 1/s.
+    /// Largest Frobenius norm of the rate `Ḟ` of the deformation gradient in an element, 1/s.
     ///
-    /// Vertices advance along straight lines, which stretches rotating elements. No element inverts if `dt` is below the reciprocal
-    /// of this rate; rotation hardly stretches elements if `dt` is below 0.3 of it. The stiffness sets no limit.
-    pub fn max_velocity_gradient(&self, state: &ElasticState<D>) -> f64 {
+    /// Vertices advance along straight lines, which stretches rotating elements; rotation hardly does if `dt` is below 0.3 of the
+    /// reciprocal of this rate. The stiffness sets no limit.
+    pub fn max_deformation_rate(&self, velocities: &[Vector<D>]) -> f64 {
         let rate = |simplex: &Simplex<D>| {
-            let edges = simplex.edges(&state.positions);
+            let edges = simplex.edges(&self.rest_mesh.positions);
             let across = cofactor(&edges) / determinant(&edges);
-            (simplex.edges(&state.velocities) * across.transpose()).norm()
+            (simplex.edges(velocities) * across.transpose()).norm()
         };
         self.rest_mesh.simplices.par_iter().with_min_len(1024).map(rate).reduce(|| 0.0, f64::max)
     }

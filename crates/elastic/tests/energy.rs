@@ -56,7 +56,7 @@ fn swing(load: f64, ratio: f64) -> Swing {
     let steps = (4.0 / 18.433 / h) as usize;
     for _ in 0..steps {
         body.step(&mut state, h, &weight).unwrap();
-        turn = turn.max(h * body.max_velocity_gradient(&state));
+        turn = turn.max(h * body.max_deformation_rate(&state.velocities));
         most = most.max(total(&state));
         scale = scale.max(body.kinetic_energy(&state.velocities));
     }

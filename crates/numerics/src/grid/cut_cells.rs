@@ -154,6 +154,32 @@ impl<const D: usize> CutCells<D> {
         self.has_open_fraction(at, 0.0)
     }
 
+    /// The cells of a box (lower corner, and one past the upper corner) that open faces within it connect to the cell `from`, which it contains.
+    pub fn connected_cells(&self, from: [usize; D], [low, high]: [[usize; D]; 2]) -> Vec<[usize; D]> {
+        let mut found = vec![from];
+        let mut visited = 0;
+        while let Some(&at) = found.get(visited) {
+            visited += 1;
+            for a in 0..D {
+                let faces = self.open_fraction.grid.face_lattice(a);
+                let face = faces.index(at);
+                let mut step = |to: usize, face: usize| {
+                    let next = std::array::from_fn(|b| if b == a { to } else { at[b] });
+                    if self.open_fraction.axes[a][face] > 0.0 && !found.contains(&next) {
+                        found.push(next);
+                    }
+                };
+                if at[a] > low[a] {
+                    step(at[a] - 1, face);
+                }
+                if at[a] + 1 < high[a] {
+                    step(at[a] + 1, face + faces.stride[a]);
+                }
+            }
+        }
+        found
+    }
+
     /// Whether all faces of a cell have the open fraction `share`.
     fn has_open_fraction(&self, at: [usize; D], share: f64) -> bool {
         (0..D).all(|a| {

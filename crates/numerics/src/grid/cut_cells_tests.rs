@@ -147,3 +147,11 @@ fn what_is_cut_does_not_depend_on_which_tiles_are_active() {
     tiles_are_cut_alike::<2>();
     tiles_are_cut_alike::<3>();
 }
+
+#[test]
+fn a_thin_wall_parts_the_cells_of_a_box() {
+    let grid = cut::<2>(20, &|x| (x[0] - 0.5).abs() - 0.04);
+    let found = grid.connected_cells([7, 10], [[5, 8], [14, 12]]);
+    assert!(found.contains(&[5, 8]) && found.contains(&[9, 11]));
+    assert!(found.iter().all(|p| p[0] < 10 && (8..12).contains(&p[1])), "{found:?}");
+}

@@ -124,6 +124,28 @@ impl<'a, const D: usize> Sampler<'a, D> {
         }
     }
 
+    /// Value of a signed distance at `x` (m), as seen from one side of thin solids. `side` takes the first point of the stencil, which has 4
+    /// points along each axis, and returns the points on that side: a bit each, the first axis varying fastest.
+    ///
+    /// If all points on that side have one sign, there is no surface on it, whatever lies beyond the solid: all points then take this sign, and
+    /// the interpolation is multilinear, which keeps it.
+    pub fn distance_on_side(&self, x: &Vector<D>, side: impl FnOnce([isize; D]) -> u64) -> f64 {
+        let (base, t) = self.locate(x);
+        let mut stencil = self.stencil(base);
+        let values = || stencil.iter().flatten().take(4usize.pow(D as u32));
+        let negative = values().enumerate().map(|(k, v)| u64::from(*v < 0.0) << k).sum::<u64>();
+        if negative != 0 && values().any(|v| *v >= 0.0) {
+            let own = side(base.map(|b| b - 1));
+            let below = negative & own;
+            if own != 0 && (below == 0 || below == own) {
+                let sign = if below == 0 { 1.0 } else { -1.0 };
+                stencil.iter_mut().flatten().for_each(|v| *v = v.abs() * sign);
+                return multilinear::<D>(&stencil, &t);
+            }
+        }
+        self.distance_with_gradient(x).0
+    }
+
     /// Quintic interpolation: value and gradient.
     fn quintic_in(&self, base: [isize; D], t: &[f64; D]) -> (f64, Vector<D>) {
         let rows = self.rows::<6, 36>(base);
@@ -247,6 +269,12 @@ impl<'a, const D: usize> Sampler<'a, D> {
         }
         sign * self.data[self.lattice.index(std::array::from_fn(|a| at[a] as usize))]
     }
+}
+
+/// Multilinear interpolation between the middle points of a stencil.
+fn multilinear<const D: usize>(stencil: &Stencil, t: &[f64; D]) -> f64 {
+    let weights: [[f64; 4]; D] = std::array::from_fn(|a| [0.0, 1.0 - t[a], t[a], 0.0]);
+    contract::<D>(&stencil[..1 << (2 * (D - 1))], &weights)
 }
 
 /// Weights of the cubic through the points −1, 0, 1, 2 at `t`.
@@ -412,59 +440,5 @@ fn contract<const D: usize>(rows: &[[f64; 4]], weights: &[[f64; 4]; D]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn cubic_is_exact<const D: usize>() {
-        let grid = Grid::<D>::new([8; D], 0.25);
-        let f = |x: &Vector<D>| 1.0 + x[0] - 2.0 * x[1] * x[1] + x[0] * x[1] * x[D - 1] + x[D - 1].powi(3);
-        let lattice = grid.lattice();
-        let data: Vec<f64> = (0..lattice.len()).map(|i| f(&grid.center(lattice.coordinates(i)))).collect();
-        let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; D]);
-        let x = Vector::from_fn(|a, _| 0.9 + 0.13 * a as f64);
-        let (value, gradient) = sampler.cubic_with_gradient(&x);
-        assert!((value - f(&x)).abs() < 1e-12 && (sampler.cubic(&x) - value).abs() < 1e-12);
-        for a in 0..D {
-            let mut up = x;
-            let mut down = x;
-            up[a] += 1e-5;
-            down[a] -= 1e-5;
-            assert!((gradient[a] - (f(&up) - f(&down)) / 2e-5).abs() < 1e-8);
-        }
-    }
-
-    #[test]
-    fn cubic_reproduces_cubics() {
-        cubic_is_exact::<2>();
-        cubic_is_exact::<3>();
-    }
-
-    #[test]
-    fn a_smooth_distance_is_sampled_by_quintics() {
-        let grid = Grid::<3>::new([8; 3], 1.0);
-        let f = |x: &Vector<3>| x[0] - 0.5 * x[1] + 1e-5 * (x[2].powi(5) - x[0].powi(4) * x[1]);
-        let lattice = grid.lattice();
-        let data: Vec<f64> = (0..lattice.len()).map(|i| f(&grid.center(lattice.coordinates(i)))).collect();
-        let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; 3]);
-        let x = Vector::from([3.7, 4.1, 3.95]);
-        let (value, gradient) = sampler.distance_with_gradient(&x);
-        assert!((value - f(&x)).abs() < 1e-12);
-        let exact = [1.0 - 4e-5 * 3.7f64.powi(3) * 4.1, -0.5 - 1e-5 * 3.7f64.powi(4), 5e-5 * 3.95f64.powi(4)];
-        (0..3).for_each(|a| assert!((gradient[a] - exact[a]).abs() < 1e-12));
-    }
-
-    #[test]
-    fn edges_mirror() {
-        let grid = Grid::<2>::new([4, 4], 1.0);
-        let data: Vec<f64> = (0..16).map(|i| (i % 4) as f64).collect();
-        let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; 2]);
-        assert_eq!(sampler.value([-1, 2]), 0.0);
-        assert_eq!(sampler.value([-2, 2]), 1.0);
-        assert_eq!(sampler.value([5, 2]), 2.0);
-        let data: Vec<f64> = (0..20).map(|i| (i % 5) as f64).collect();
-        let faces =
-            Sampler::faces(&grid, 0, &data, [[BoundaryExtension::Odd; 2], [BoundaryExtension::Even; 2]]);
-        assert_eq!(faces.value([-1, 0]), -1.0);
-        assert_eq!(faces.value([5, 0]), -3.0);
-    }
-}
+#[path = "interpolate_tests.rs"]
+mod tests;

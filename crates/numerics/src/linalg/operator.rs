@@ -65,6 +65,16 @@ pub enum SolveError {
         /// Step of the next iteration, relative to the tolerance.
         off: f64,
     },
+    /// A solid deforms too much in one step.
+    #[error(
+        "the deformation gradient of an element changes by {increment:.2} in one time step; at most {limit:.2} is allowed"
+    )]
+    DeformationTooLarge {
+        /// Norm of the change.
+        increment: f64,
+        /// Largest norm allowed.
+        limit: f64,
+    },
     /// An input or a result was not finite.
     #[error("the linear solve met a number that is not finite in iteration {iteration}")]
     NotFinite {

@@ -20,7 +20,7 @@ use super::potential::solid_terms::{DeformableLoads, solid_terms};
 use crate::contact_line::friction::DraggedFace;
 use crate::flow::pressure::ProjectionOptions;
 use crate::model::Model;
-use crate::model::time_step::StepTimes;
+use crate::model::time_step::{MAX_FORCED_DEFORMATION_INCREMENT, StepTimes};
 use crate::solid::{SolidState, SolidView, Solids, angular_to_node};
 use meniscus_contact::Barrier;
 use meniscus_elastic::{KEPT_FRACTION, MAX_LINE_SEARCH_HALVINGS, MAX_NEWTON_ITERATIONS};
@@ -310,7 +310,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
     /// whether the method has converged; the solids then have the final velocities.
     ///
     /// # Errors
-    /// [`SolveError::NewtonNotConverged`] after too many iterations.
+    /// [`SolveError::NewtonNotConverged`] after too many iterations, and [`SolveError::DeformationTooLarge`].
     pub fn take_step(
         &mut self,
         solids: &mut [SolidState<D>],
@@ -332,6 +332,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         let on_the_way = self.potential.candidates(&self.velocities, &to);
         let whole = self.move_to(&to, on_the_way, !prescribed_moves && size > limit);
         self.iteration += 1;
+        self.check_deformation()?;
         self.update_lagged();
         let early = self.potential.find_early_pairs(&self.velocities, &self.candidates);
         self.potential.early_pairs.retain_common(&early);
@@ -347,6 +348,19 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             return Err(SolveError::NewtonNotConverged { iterations: self.iteration, off: off / limit });
         }
         Ok(false)
+    }
+
+    /// Fails where an element deforms more than a step of adaptive length may.
+    fn check_deformation(&self) -> Result<(), SolveError> {
+        let increment = self.potential.deformation_increment(&self.velocities);
+        if increment > MAX_FORCED_DEFORMATION_INCREMENT && self.potential.model.numerics.fixed_step.is_none()
+        {
+            return Err(SolveError::DeformationTooLarge {
+                increment,
+                limit: MAX_FORCED_DEFORMATION_INCREMENT,
+            });
+        }
+        Ok(())
     }
 
     /// Predicted size of the next iteration, m/s, after a full Newton step, and whether the method has converged. If that size is below

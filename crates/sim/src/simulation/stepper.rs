@@ -10,7 +10,7 @@ use super::transport::restore_signed_distance;
 use super::workspace::{Snapshot, Workspace};
 use crate::contact_line::sampling::phi_at_solid;
 use crate::model::resolution::BAND_WIDTH_CELLS;
-use crate::model::time_step::{PhaseEnd, next_dt, stable_dt, uniform_dt};
+use crate::model::time_step::{PhaseEnd, deformation_dt, next_dt, stable_dt, uniform_dt};
 use crate::model::{Model, Scheme};
 use crate::repairs::Repairs;
 use crate::solid::{SolidView, Solids};
@@ -310,7 +310,7 @@ impl<const D: usize> Simulation<D> {
             return Ok(dt);
         }
         let dt_at_rest = stable_dt(&self.model, 0.0);
-        let dt = stable_dt(&self.model, speed);
+        let dt = stable_dt(&self.model, speed).min(deformation_dt(&self.model, &self.state.solids));
         if dt_at_rest.is_finite() && dt < MIN_DT_RATIO * dt_at_rest {
             let reason = format!("the speed of {fastest} has diverged to {speed:.3e} m/s");
             return Err(StepError::TooShort { time: self.state.time, dt, reason });

@@ -40,7 +40,8 @@ pub fn move_interface<const D: usize>(
     dt: f64,
 ) -> Runs {
     let model = solids_before.model;
-    let values = advect_interface(model, &state.phi, &work.band, &state.velocity, dt);
+    let values = advect_interface(model, &state.phi, &work.band, &state.velocity, &work.cut_cells, dt);
+    work.keep_phi(&state.phi);
     work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
     let extended = extend_into_solids(state, &work.band, &work.cut_cells, solids_before, &work.surfaces);
     (work.non_distance_cells, work.overwritten_phi) = (extended.non_distance_cells, extended.overwritten_phi);
@@ -49,7 +50,7 @@ pub fn move_interface<const D: usize>(
     let before = std::mem::take(&mut work.liquid);
     let old_band_cells = work.band.cells.clone();
     work.find_liquid(model, state);
-    let spurious = work.find_spurious_components(model, &before, displacement_cells.ceil().max(1.0) as usize);
+    let spurious = work.find_spurious_components(model, &before, (displacement_cells + 1.0).ceil() as usize);
     if !spurious.cells.is_empty() {
         let volume = component_volumes(model, state, work);
         let sum = |some: &[u32]| some.iter().map(|c| volume[*c as usize].max(0.0)).sum::<f64>();
@@ -146,7 +147,7 @@ pub fn move_velocity<const D: usize>(
     dt: f64,
 ) {
     let faces: [Vec<Segment>; D] = std::array::from_fn(|a| work.liquid.faces(&model.grid, a));
-    let values = advect_velocity(model, &state.velocity, &faces, dt);
+    let values = advect_velocity(model, [&work.phi_before, &state.phi], &state.velocity, &faces, dt);
     work.known_faces.clear_with_velocity(&mut state.velocity);
     for a in 0..D {
         let lattice = model.grid.face_lattice(a);

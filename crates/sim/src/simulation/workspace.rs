@@ -66,6 +66,8 @@ pub struct Workspace<const D: usize> {
     pub non_distance_cells: Vec<u32>,
     /// Cells within solids beyond the band that the current step has changed, with their φ before.
     pub overwritten_phi: Vec<(u32, f64)>,
+    /// φ before the step, m, in the tiles around the liquid of that time.
+    pub phi_before: CellField<D>,
     /// Surface area of each solid at the start, m² (2D: m).
     pub initial_solid_areas: Vec<f64>,
     /// Repairs of the current step so far.
@@ -88,6 +90,7 @@ impl<const D: usize> Workspace<D> {
             collision_points: Arc::new(CollisionPoints::of(model)),
             non_distance_cells: Vec::new(),
             overwritten_phi: Vec::new(),
+            phi_before: state.phi.clone(),
             initial_solid_areas: Vec::new(),
             repairs: Repairs::default(),
         };
@@ -146,8 +149,17 @@ impl<const D: usize> Workspace<D> {
         self.band.rebuild(&state.phi.data, &self.liquid, BAND_LAYERS);
     }
 
+    /// Keeps φ around the liquid as that before the step.
+    pub fn keep_phi(&mut self, phi: &CellField<D>) {
+        let row = phi.grid.cells[0];
+        for s in self.tiles.segments() {
+            let cells = s.row * row + s.start..s.row * row + s.end;
+            self.phi_before.data[cells.clone()].copy_from_slice(&phi.data[cells]);
+        }
+    }
+
     /// Finds spurious components: those entirely within solids, as a receding contact line leaves them, and those that no
-    /// liquid can have reached. `before` is the liquid before the interface moved, by `reach` cells at most.
+    /// liquid can have reached. `before` is the liquid before the interface moved; none came from farther than `reach` cells.
     pub fn find_spurious_components(
         &self,
         model: &Model<D>,
@@ -169,8 +181,8 @@ impl<const D: usize> Workspace<D> {
         }
     }
 
-    /// Flags components that have leaked through a solid: no liquid was within reach. Within a wall φ is extended from the
-    /// nearer side, and where liquid on one side ends, that on the other may claim a cell of it.
+    /// Flags components that have leaked through a solid: open faces connect none of their cells to liquid that was within reach. Within a
+    /// wall φ is extended from the nearer side, and where liquid on one side ends, that on the other may claim a cell of it.
     fn leaked_components(&self, model: &Model<D>, before: &Runs, reach: usize) -> Vec<bool> {
         if self.cut_cells.cells.is_empty() {
             return Vec::new();
@@ -185,7 +197,8 @@ impl<const D: usize> Workspace<D> {
             let at = lattice.coordinates(cell);
             let low = at.map(|i| i.saturating_sub(reach));
             let high = std::array::from_fn(|a| (at[a] + reach + 1).min(lattice.extent[a]));
-            lattice_points([low, high]).all(|p| was(lattice.index(p)).is_none())
+            let side = self.cut_cells.connected_cells(at, [low, high]);
+            side.into_iter().all(|p| was(lattice.index(p)).is_none())
         };
         for run in &self.liquid.runs {
             let through = &mut through[run.component as usize];

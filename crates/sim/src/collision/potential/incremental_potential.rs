@@ -132,6 +132,17 @@ impl<'a, const D: usize> Potential<'a, D> {
         }
     }
 
+    /// Largest change of the deformation gradient of an element in the impulse time, at these velocities.
+    pub fn deformation_increment(&self, velocities: &[Vector<D>]) -> f64 {
+        let rate = |(part, first): (&SolidTerm<'a, D>, &usize)| match part {
+            SolidTerm::Deformable(soft) => {
+                soft.elastic.max_deformation_rate(&velocities[*first..first + soft.impulses.len()])
+            }
+            SolidTerm::Rigid(_) | SolidTerm::Prescribed => 0.0,
+        };
+        self.impulse_time * self.parts.iter().zip(&self.points.first_node).map(rate).fold(0.0, f64::max)
+    }
+
     /// Gradient of each solid's own term, N s (2D: N s/m), on its nodes; empty for prescribed motion.
     pub fn own_gradients(&self, velocities: &[Vector<D>]) -> Vec<Vec<Vector<D>>> {
         let of = |(part, first): (&SolidTerm<'a, D>, &usize)| {

@@ -1,0 +1,69 @@
+use super::*;
+
+fn cubic_is_exact<const D: usize>() {
+    let grid = Grid::<D>::new([8; D], 0.25);
+    let f = |x: &Vector<D>| 1.0 + x[0] - 2.0 * x[1] * x[1] + x[0] * x[1] * x[D - 1] + x[D - 1].powi(3);
+    let lattice = grid.lattice();
+    let data: Vec<f64> = (0..lattice.len()).map(|i| f(&grid.center(lattice.coordinates(i)))).collect();
+    let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; D]);
+    let x = Vector::from_fn(|a, _| 0.9 + 0.13 * a as f64);
+    let (value, gradient) = sampler.cubic_with_gradient(&x);
+    assert!((value - f(&x)).abs() < 1e-12 && (sampler.cubic(&x) - value).abs() < 1e-12);
+    for a in 0..D {
+        let mut up = x;
+        let mut down = x;
+        up[a] += 1e-5;
+        down[a] -= 1e-5;
+        assert!((gradient[a] - (f(&up) - f(&down)) / 2e-5).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn cubic_reproduces_cubics() {
+    cubic_is_exact::<2>();
+    cubic_is_exact::<3>();
+}
+
+#[test]
+fn a_smooth_distance_is_sampled_by_quintics() {
+    let grid = Grid::<3>::new([8; 3], 1.0);
+    let f = |x: &Vector<3>| x[0] - 0.5 * x[1] + 1e-5 * (x[2].powi(5) - x[0].powi(4) * x[1]);
+    let lattice = grid.lattice();
+    let data: Vec<f64> = (0..lattice.len()).map(|i| f(&grid.center(lattice.coordinates(i)))).collect();
+    let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; 3]);
+    let x = Vector::from([3.7, 4.1, 3.95]);
+    let (value, gradient) = sampler.distance_with_gradient(&x);
+    assert!((value - f(&x)).abs() < 1e-12);
+    let exact = [1.0 - 4e-5 * 3.7f64.powi(3) * 4.1, -0.5 - 1e-5 * 3.7f64.powi(4), 5e-5 * 3.95f64.powi(4)];
+    (0..3).for_each(|a| assert!((gradient[a] - exact[a]).abs() < 1e-12));
+}
+
+#[test]
+fn edges_mirror() {
+    let grid = Grid::<2>::new([4, 4], 1.0);
+    let data: Vec<f64> = (0..16).map(|i| (i % 4) as f64).collect();
+    let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; 2]);
+    assert_eq!(sampler.value([-1, 2]), 0.0);
+    assert_eq!(sampler.value([-2, 2]), 1.0);
+    assert_eq!(sampler.value([5, 2]), 2.0);
+    let data: Vec<f64> = (0..20).map(|i| (i % 5) as f64).collect();
+    let faces = Sampler::faces(&grid, 0, &data, [[BoundaryExtension::Odd; 2], [BoundaryExtension::Even; 2]]);
+    assert_eq!(faces.value([-1, 0]), -1.0);
+    assert_eq!(faces.value([5, 0]), -3.0);
+}
+
+#[test]
+fn beyond_a_thin_solid_lies_no_surface_of_this_side() {
+    let grid = Grid::<2>::new([8; 2], 1.0);
+    let lattice = grid.lattice();
+    let data: Vec<f64> = (0..lattice.len()).map(|i| lattice.coordinates(i)[0] as f64 - 3.2).collect();
+    let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; 2]);
+    let (x, columns) = (Vector::<2>::new(3.55, 4.0), |some: u64| (0..4).map(|row| some << (4 * row)).sum());
+    // The stencil begins in column 2; the surface lies between 3 and 4.
+    for (side, sign) in [(0b1100u64, 1.0), (0b0011, -1.0)] {
+        assert!(sampler.distance_on_side(&x, |_| columns(side)) * sign > 0.0);
+    }
+    let whole = sampler.distance_with_gradient(&x).0;
+    assert_eq!(sampler.distance_on_side(&x, |_| columns(0b1111)), whole);
+    assert_eq!(sampler.distance_on_side(&x, |_| 0), whole);
+}
