@@ -6,7 +6,6 @@ mod cut_cells;
 mod field;
 mod interpolate;
 mod runs;
-mod segment;
 mod serialise;
 mod tiles;
 mod velocity_extension;
@@ -15,8 +14,7 @@ pub use band::Band;
 pub use cut_cells::{CutCell, CutCells, EmbeddedBoundary, lattice_points, par_lattice_points};
 pub use field::{CellField, FaceField};
 pub use interpolate::{BoundaryExtension, Sampler};
-pub use runs::{Run, Runs};
-pub use segment::Segment;
+pub use runs::{Run, Runs, Segment};
 pub use tiles::{TILE_CELLS, Tiles};
 pub use velocity_extension::VelocityExtension;
 

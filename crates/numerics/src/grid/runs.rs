@@ -1,6 +1,6 @@
-//! Sets of cells as sorted lists of runs along the first axis.
+//! Sets of cells as sorted lists of runs along the first axis, and parts of rows.
 
-use super::{Grid, Segment};
+use super::Grid;
 
 /// Consecutive cells of one row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +13,17 @@ pub struct Run {
     pub end: u32,
     /// Its connected component.
     pub component: u32,
+}
+
+/// Part of a row: cells `start..end` of row `row`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// Row number.
+    pub row: usize,
+    /// First cell, counted along the row.
+    pub start: usize,
+    /// One past the last cell.
+    pub end: usize,
 }
 
 /// A set of cells as runs, sorted by row, then by start; runs of a row do not touch.
