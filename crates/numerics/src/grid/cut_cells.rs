@@ -156,6 +156,9 @@ impl<const D: usize> CutCells<D> {
 
     /// The cells of a box (lower corner, and one past the upper corner) that open faces within it connect to the cell `from`, which it contains.
     pub fn connected_cells(&self, from: [usize; D], [low, high]: [[usize; D]; 2]) -> Vec<[usize; D]> {
+        let place = |at: &[usize; D]| (0..D).rev().fold(0, |k, a| k * (high[a] - low[a]) + at[a] - low[a]);
+        let mut seen = vec![false; (0..D).map(|a| high[a] - low[a]).product()];
+        seen[place(&from)] = true;
         let mut found = vec![from];
         let mut visited = 0;
         while let Some(&at) = found.get(visited) {
@@ -163,17 +166,12 @@ impl<const D: usize> CutCells<D> {
             for a in 0..D {
                 let faces = self.open_fraction.grid.face_lattice(a);
                 let face = faces.index(at);
-                let mut step = |to: usize, face: usize| {
+                for (to, face) in [(at[a].wrapping_sub(1), face), (at[a] + 1, face + faces.stride[a])] {
                     let next = std::array::from_fn(|b| if b == a { to } else { at[b] });
-                    if self.open_fraction.axes[a][face] > 0.0 && !found.contains(&next) {
+                    let open = (low[a]..high[a]).contains(&to) && self.open_fraction.axes[a][face] > 0.0;
+                    if open && !std::mem::replace(&mut seen[place(&next)], true) {
                         found.push(next);
                     }
-                };
-                if at[a] > low[a] {
-                    step(at[a] - 1, face);
-                }
-                if at[a] + 1 < high[a] {
-                    step(at[a] + 1, face + faces.stride[a]);
                 }
             }
         }

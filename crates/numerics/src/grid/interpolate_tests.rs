@@ -52,13 +52,13 @@ fn edges_mirror() {
     assert_eq!(faces.value([5, 0]), -3.0);
 }
 
-#[test]
-fn beyond_a_thin_solid_lies_no_surface_of_this_side() {
-    let grid = Grid::<2>::new([8; 2], 1.0);
+fn the_side_decides_the_sign<const D: usize>() {
+    let grid = Grid::<D>::new([8; D], 1.0);
     let lattice = grid.lattice();
     let data: Vec<f64> = (0..lattice.len()).map(|i| lattice.coordinates(i)[0] as f64 - 3.2).collect();
-    let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; 2]);
-    let (x, columns) = (Vector::<2>::new(3.55, 4.0), |some: u64| (0..4).map(|row| some << (4 * row)).sum());
+    let sampler = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; D]);
+    let x = Vector::from_fn(|a, _| if a == 0 { 3.55 } else { 4.0 });
+    let columns = |some: u64| (0..4u32.pow(D as u32 - 1)).map(|row| some << (4 * row)).sum();
     // The stencil begins in column 2; the surface lies between 3 and 4.
     for (side, sign) in [(0b1100u64, 1.0), (0b0011, -1.0)] {
         assert!(sampler.distance_on_side(&x, |_| columns(side)) * sign > 0.0);
@@ -66,4 +66,10 @@ fn beyond_a_thin_solid_lies_no_surface_of_this_side() {
     let whole = sampler.distance_with_gradient(&x).0;
     assert_eq!(sampler.distance_on_side(&x, |_| columns(0b1111)), whole);
     assert_eq!(sampler.distance_on_side(&x, |_| 0), whole);
+}
+
+#[test]
+fn beyond_a_thin_solid_lies_no_surface_of_this_side() {
+    the_side_decides_the_sign::<2>();
+    the_side_decides_the_sign::<3>();
 }

@@ -49,7 +49,8 @@ const CUBIC_INTERPOLATION_DISTANCE_CELLS: f64 = 2.5;
 /// steps).
 const RIDGE_GRADIENT_NORM: f64 = 0.5;
 
-/// Distance from a cell, in cells, that the stencil at its departure point reaches: two cells, and a path of at most a cell.
+/// Distance from a cell, in cells, that the stencil at its departure point reaches along an axis: two cells, and a path of at most a cell.
+/// Its corners, `√D` times as far, are not looked at.
 const STENCIL_REACH_CELLS: f64 = 3.0;
 
 /// Advected values of φ in the cells of the band, in the order of `band.cells`.
@@ -106,7 +107,8 @@ pub fn advect_interface<const D: usize>(
         .collect()
 }
 
-/// The points of a stencil (4 along each axis from `first` on, a bit each) outside solids that open faces connect to the cell `at`.
+/// The points of a stencil (4 along each axis from `first` on, a bit each) outside solids that open faces connect to the cell `at`; none if
+/// the stencil does not contain it.
 fn own_side<const D: usize>(cut: &CutCells<D>, at: [usize; D], first: [isize; D]) -> u64 {
     let lattice = cut.open_fraction.grid.lattice();
     let low: [usize; D] = std::array::from_fn(|a| first[a].max(0) as usize);
@@ -119,7 +121,8 @@ fn own_side<const D: usize>(cut: &CutCells<D>, at: [usize; D], first: [isize; D]
     cut.connected_cells(at, [low, high]).iter().filter(outside).map(|p| 1 << bit(p)).sum()
 }
 
-/// Depth, in cells, up to which the interpolation of the velocity reads extrapolated values.
+/// Depth, in cells, up to which the interpolation of the velocity along an axis reads extrapolated values: faces up to two cells away, where
+/// faces are known to half a cell beyond the interface. Limit: the departure points of deeper liquid are not corrected.
 const EXTRAPOLATION_REACH_CELLS: f64 = 1.5;
 
 /// The signed distance before a step and after it.
@@ -198,7 +201,6 @@ pub fn pack(segments: &[Segment]) -> Vec<Segment> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Numerics, Wall};
     use crate::simulation::workspace::Workspace;
     use crate::state::State;
     use meniscus_numerics::grid::Grid;
@@ -206,16 +208,7 @@ mod tests {
     /// Largest speed after `steps` steps of transport in a layer whose top face row flows in at the speed 1, the others at 0.1. The
     /// interface is `held` where it is, or moves with the flow.
     fn speed_after(steps: usize, held: bool) -> f64 {
-        let model = Model::<2> {
-            grid: Grid::new([16, 32], 1.0),
-            walls: [[Wall::Slip; 2]; 2],
-            density: 1.0,
-            kinematic_viscosity: 0.0,
-            surface_tension: 1.0,
-            gravity: Vector::zeros(),
-            solids: Vec::new(),
-            numerics: Numerics::default(),
-        };
+        let model = Model::of_test(Grid::<2>::new([16, 32], 1.0), Vec::new());
         let (mut state, lattice) = (State::empty(model.grid), model.grid.lattice());
         for i in 0..lattice.len() {
             state.phi.data[i] = (lattice.coordinates(i)[1] as f64 - 15.5).clamp(-5.0, 5.0);
@@ -255,14 +248,16 @@ mod tests {
         speeds.fold(0.0, |most, v| most.max(v.abs()))
     }
 
+    /// Without the correction the speed is about `1.1^30 = 17`: it grows by the Courant number in each step.
     #[test]
     fn inflow_through_a_held_interface_does_not_grow() {
         let most = speed_after(30, true);
         assert!(most < 1.05, "{most}");
     }
 
+    /// No value is larger than that extrapolated in the first step, `2 · 1 − 0.1`.
     #[test]
-    fn a_jet_that_moves_with_its_interface_does_not_grow() {
+    fn a_jet_that_moves_with_its_interface_does_not_exceed_the_extrapolated_speed() {
         let most = speed_after(10, false);
         assert!(most < 1.9, "{most}");
     }

@@ -12,7 +12,7 @@ pub const MAX_DT_GROWTH: f64 = 1.25;
 /// Newton's method lags differ from those at the midpoint in second order of this change: at 0.5 it takes about ten iterations, at
 /// several times that it may diverge (experiment E35).
 const MAX_DEFORMATION_INCREMENT: f64 = 0.5;
-/// The same at the velocities after the step. A step whose forces more than double the rate is tried once more with half its length.
+/// The same at the velocities after the step. A step in which it is larger is tried again with half its length.
 pub const MAX_FORCED_DEFORMATION_INCREMENT: f64 = 2.0 * MAX_DEFORMATION_INCREMENT;
 
 /// The times of a step, s.

@@ -304,15 +304,20 @@ impl<const D: usize> Simulation<D> {
         next_dt(self.state.velocity_lead, wanted, max_dt)
     }
 
-    /// Longest step that surface tension and the largest speed allow; `fastest` names what has that speed.
+    /// Longest step that surface tension, the largest speed and the deformation of solids allow; `fastest` names what has that speed.
     fn max_stable_dt(&self, speed: f64, fastest: &str) -> Result<f64, StepError> {
         if let Some(dt) = self.model.numerics.fixed_step {
             return Ok(dt);
         }
         let dt_at_rest = stable_dt(&self.model, 0.0);
-        let dt = stable_dt(&self.model, speed).min(deformation_dt(&self.model, &self.state.solids));
+        let deformation_dt = deformation_dt(&self.model, &self.state.solids);
+        let dt = stable_dt(&self.model, speed).min(deformation_dt);
         if dt_at_rest.is_finite() && dt < MIN_DT_RATIO * dt_at_rest {
-            let reason = format!("the speed of {fastest} has diverged to {speed:.3e} m/s");
+            let reason = if dt == deformation_dt {
+                "a deformable solid deforms too fast for longer steps".to_string()
+            } else {
+                format!("the speed of {fastest} has diverged to {speed:.3e} m/s")
+            };
             return Err(StepError::TooShort { time: self.state.time, dt, reason });
         }
         Ok(dt)
