@@ -22,21 +22,21 @@ const STEPS: u64 = 20;
 const NEAR: f64 = 1e-5;
 
 const SCENES: [&str; 15] = [
-    "collisions-2d",
-    "corotated-3d",
-    "fixed-3d",
-    "free-2d",
-    "free-3d",
-    "hysteresis-2d",
-    "liquid-2d",
-    "liquid-3d",
-    "neo-hookean-2d",
-    "neumann-3d",
-    "open-sides-2d",
-    "pattern-2d",
-    "prescribed-2d",
-    "springs-2d",
-    "wetting-walls-2d",
+    "2d/collisions",
+    "2d/free",
+    "2d/hysteresis",
+    "2d/liquid",
+    "2d/neo-hookean",
+    "2d/open-sides",
+    "2d/pattern",
+    "2d/prescribed",
+    "2d/springs",
+    "2d/wetting-walls",
+    "3d/corotated",
+    "3d/fixed",
+    "3d/free",
+    "3d/liquid",
+    "3d/neumann",
 ];
 
 /// Hash and sums of the state of a scene after its steps.
@@ -82,7 +82,11 @@ fn run<const D: usize>(name: &str, setup: &Setup<D>) -> Golden {
 
 /// The simulation after its checkpoint has been written and read.
 fn there_and_back<const D: usize>(name: &str, simulation: &Simulation<D>) -> Simulation<D> {
-    let folder = std::env::temp_dir().join(format!("meniscus-golden-{name}-{}", std::process::id()));
+    let folder = std::env::temp_dir().join(format!(
+        "meniscus-golden-{}-{}",
+        name.replace('/', "-"),
+        std::process::id()
+    ));
     std::fs::create_dir_all(&folder).unwrap();
     let tally = RunStatistics::at_start(&simulation.model, &simulation.diagnostics());
     let path = checkpoint::write(&folder, 1, &simulation.state, &tally).unwrap();

@@ -1,6 +1,6 @@
 //! Friction from step to step: what rests does not creep, what slides does so as Coulomb says.
 
-use crate::soft_collide::{DX, GRAVITY, down, dry, lattice, mapped, run, soft};
+use crate::soft::collide::{DX, GRAVITY, down, dry, lattice, mapped, run, soft};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{Simulation, Solid, SolidKind};
@@ -81,7 +81,8 @@ fn a_rigid_block_slides_as_coulomb_says() {
 /// its own away.
 #[test]
 fn a_ball_rolls_on_a_soft_slab() {
-    let mesh = crate::soft_collide::block::<2>([24, 4], Vector::from([0.5, 0.3]), Vector::from([0.45, 0.05]));
+    let mesh =
+        crate::soft::collide::block::<2>([24, 4], Vector::from([0.5, 0.3]), Vector::from([0.45, 0.05]));
     let held = meniscus_elastic::Anchor::within(&mesh, |x: &Vector<2>| x[1] < 0.26);
     let mut slab = soft(mesh, 1e5, 0.3, vec![held]);
     let reach = 0.25 * DX;

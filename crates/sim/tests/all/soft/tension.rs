@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used)]
 
-use crate::soft_collide::{block, soft};
+use crate::soft::collide::{block, soft};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_sim::{LiquidRegion, Model, Numerics, Simulation, Wall};

@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used)]
 
-use crate::soft_collide::{
+use crate::soft::collide::{
     DENSITY, DX, at, ball, block, books, depth, down, dry, lattice, mapped, places, rigid, run, soft,
 };
 use meniscus_elastic::Anchor;

@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used)]
 
-use crate::soft_collide::{DENSITY, block, down, dry, places, run, soft};
+use crate::soft::collide::{DENSITY, block, down, dry, places, run, soft};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_sim::{Kinematics, LiquidRegion, Model, Numerics, Simulation, Wall};
