@@ -1,0 +1,310 @@
+//! Interpolation of lattice data.
+//!
+//! Cubic interpolation is Lagrange's through four points along each axis (fourth order). "Limited" means that the result
+//! is clamped to the range of the stencil's values, so that repeated sampling creates no new extrema.
+
+mod stencil;
+mod weights;
+
+use super::{Grid, Lattice};
+use crate::Vector;
+use stencil::{Stencil, contract, contract_with_gradient, dot, transposed};
+use weights::{
+    MAX_SMOOTH_THIRD_DIFFERENCE_CELLS, cubic_weight_derivatives, cubic_weights, eno_cubic_weights,
+    kink_indicator, max_third_difference, quintic_weights,
+};
+
+/// Extension of data beyond the last point of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoundaryExtension {
+    /// Mirrored: tangential velocity, distance and everything else at a frictionless wall.
+    Even,
+    /// Mirrored with the opposite sign: normal velocity at a wall.
+    Odd,
+    /// Constant: an open side.
+    Clamp,
+}
+
+/// Lattice data that can be sampled at any point.
+#[derive(Clone, Copy)]
+pub struct Sampler<'a, const D: usize> {
+    data: &'a [f64],
+    lattice: Lattice<D>,
+    /// Position of point 0 in cells from the grid's lower side: 0.5 for centres, 0 along the normal of faces.
+    stagger_cells: [f64; D],
+    /// Cells of the grid below the origin.
+    margin_cells: [f64; D],
+    boundary_extensions: [[BoundaryExtension; 2]; D],
+    inverse_dx: f64,
+}
+
+impl<'a, const D: usize> Sampler<'a, D> {
+    /// Samples values at cell centres; `edges` are the boundary extensions of a scalar.
+    pub fn cells(grid: &Grid<D>, data: &'a [f64], edges: [[BoundaryExtension; 2]; D]) -> Self {
+        Self::new(grid, data, grid.lattice(), [0.5; D], edges)
+    }
+
+    /// Samples values on the faces normal to `axis`; `edges` are the boundary extensions of that velocity component.
+    pub fn faces(grid: &Grid<D>, axis: usize, data: &'a [f64], edges: [[BoundaryExtension; 2]; D]) -> Self {
+        let mut shift = [0.5; D];
+        shift[axis] = 0.0;
+        Self::new(grid, data, grid.face_lattice(axis), shift, edges)
+    }
+
+    fn new(
+        grid: &Grid<D>,
+        data: &'a [f64],
+        lattice: Lattice<D>,
+        stagger_cells: [f64; D],
+        boundary_extensions: [[BoundaryExtension; 2]; D],
+    ) -> Self {
+        let margin_cells = grid.margin_cells.map(|m| m[0] as f64);
+        Self { data, lattice, stagger_cells, margin_cells, boundary_extensions, inverse_dx: 1.0 / grid.dx }
+    }
+
+    /// Multilinear interpolation at `x` (m).
+    pub fn linear(&self, x: &Vector<D>) -> f64 {
+        let (base, t) = self.locate(x);
+        let mut sum = 0.0;
+        if (0..D).all(|a| base[a] >= 0 && base[a] + 1 < self.lattice.extent[a] as isize) {
+            let origin = self.lattice.index(std::array::from_fn(|a| base[a] as usize));
+            for row in 0..1usize << (D - 1) {
+                let mut at = origin;
+                let mut weight = 1.0;
+                for a in 1..D {
+                    let up = row >> (a - 1) & 1;
+                    at += up * self.lattice.stride[a];
+                    weight *= if up == 1 { t[a] } else { 1.0 - t[a] };
+                }
+                sum += weight * (self.data[at] + t[0] * (self.data[at + 1] - self.data[at]));
+            }
+        } else {
+            for corner in 0..1usize << D {
+                let mut weight = 1.0;
+                let mut at = base;
+                for a in 0..D {
+                    let up = corner >> a & 1;
+                    at[a] += up as isize;
+                    weight *= if up == 1 { t[a] } else { 1.0 - t[a] };
+                }
+                sum += weight * self.value(at);
+            }
+        }
+        sum
+    }
+
+    /// Limited cubic interpolation at `x` (m).
+    pub fn cubic(&self, x: &Vector<D>) -> f64 {
+        let (base, t) = self.locate(x);
+        let stencil = self.stencil(base);
+        let rows = &stencil[..1 << (2 * (D - 1))];
+        let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+        for row in rows {
+            for i in 0..4 {
+                low[i] = low[i].min(row[i]);
+                high[i] = high[i].max(row[i]);
+            }
+        }
+        let weights: [[f64; 4]; D] = std::array::from_fn(|a| cubic_weights(t[a]));
+        let low = low[0].min(low[1]).min(low[2].min(low[3]));
+        let high = high[0].max(high[1]).max(high[2].max(high[3]));
+        contract::<D>(rows, &weights).clamp(low, high)
+    }
+
+    /// Cubic interpolation (not limited) at `x` (m): the value and its gradient (per m).
+    pub fn cubic_with_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
+        let (base, t) = self.locate(x);
+        self.cubic_in(&self.stencil(base), &t)
+    }
+
+    /// Value and gradient (per m) of a signed distance at `x` (m): quintic where it is smooth, one-sided cubic at its
+    /// kinks. A cubic across a kink overshoots, which thickens filaments.
+    pub fn distance_with_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
+        let (base, t) = self.locate(x);
+        let stencil = self.stencil(base);
+        if max_third_difference::<D>(&stencil) * self.inverse_dx < MAX_SMOOTH_THIRD_DIFFERENCE_CELLS {
+            self.quintic_in(base, &t)
+        } else {
+            self.eno_cubic_in(stencil, &t)
+        }
+    }
+
+    /// Value of a signed distance at `x` (m), as seen from one side of thin solids. `side` takes the first point of the stencil, which has 4
+    /// points along each axis, and returns the points on that side: a bit each, the first axis varying fastest.
+    ///
+    /// If all points on that side have one sign, there is no surface on it, whatever lies beyond the solid: all points then take this sign, and
+    /// the interpolation is multilinear, which keeps it.
+    pub fn distance_on_side(&self, x: &Vector<D>, side: impl FnOnce([isize; D]) -> u64) -> f64 {
+        let (base, t) = self.locate(x);
+        let mut stencil = self.stencil(base);
+        let values = || stencil.iter().flatten().take(4usize.pow(D as u32));
+        let negative = values().enumerate().map(|(k, v)| u64::from(*v < 0.0) << k).sum::<u64>();
+        if negative != 0 && values().any(|v| *v >= 0.0) {
+            let own = side(base.map(|b| b - 1));
+            let below = negative & own;
+            if own != 0 && (below == 0 || below == own) {
+                let sign = if below == 0 { 1.0 } else { -1.0 };
+                stencil.iter_mut().flatten().for_each(|v| *v = v.abs() * sign);
+                return multilinear::<D>(&stencil, &t);
+            }
+        }
+        self.distance_with_gradient(x).0
+    }
+
+    /// Quintic interpolation: value and gradient.
+    fn quintic_in(&self, base: [isize; D], t: &[f64; D]) -> (f64, Vector<D>) {
+        let rows = self.rows::<6, 8, 36>(base);
+        let (weights, slopes) = quintic_weights(t);
+        let (value, slopes) = contract_with_gradient::<6, 8, D>(&rows, &weights, &slopes);
+        (value, slopes * self.inverse_dx)
+    }
+
+    /// Cubic interpolation: value and gradient.
+    fn cubic_in(&self, stencil: &Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
+        let weights: [[f64; 4]; D] = std::array::from_fn(|a| cubic_weights(t[a]));
+        let (value, slopes) = contract_with_gradient::<4, 4, D>(
+            stencil,
+            &weights,
+            &std::array::from_fn(|a| cubic_weight_derivatives(t[a])),
+        );
+        (value, slopes * self.inverse_dx)
+    }
+
+    /// ENO cubic interpolation of a function with kinks: value and gradient.
+    fn eno_cubic_in(&self, mut values: Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
+        let kink_indicator = kink_indicator::<D>(&values);
+        let mut slopes = [[[0.0; 4]; 16]; D];
+        // Each row along an axis is reduced to one value; these values form the rows of the next axis.
+        for a in 0..D {
+            for four in 0..(1 << (2 * (D - 1 - a))) / 4 {
+                let rows = 4 * four..4 * four + 4;
+                let old = transposed(&values[rows.clone()]);
+                let cells = old.map(|point| point.map(|v| v * self.inverse_dx));
+                let (weights, rises) = eno_cubic_weights(&cells, t[a], kink_indicator);
+                values[four] = dot(&weights, &old);
+                for slope in &mut slopes[..a] {
+                    slope[four] = dot(&weights, &transposed(&slope[rows.clone()]));
+                }
+                slopes[a][four] = dot(&rises, &old).map(|rise| rise * self.inverse_dx);
+            }
+        }
+        let a = D - 1;
+        let last = values[0];
+        let (weights, rises) = eno_cubic_weights(&last.map(|v| [v * self.inverse_dx]), t[a], kink_indicator);
+        let sum = |weights: &[[f64; 1]; 4], values: &[f64; 4]| dot(weights, &values.map(|v| [v]))[0];
+        let slope = |b: usize| {
+            if b == a { sum(&rises, &last) * self.inverse_dx } else { sum(&weights, &slopes[b][0]) }
+        };
+        (sum(&weights, &last), Vector::from_fn(|b, _| slope(b)))
+    }
+
+    /// Gradient (per m) at a lattice point by central differences.
+    pub fn gradient(&self, at: [usize; D]) -> Vector<D> {
+        Vector::from_fn(|a, _| {
+            let (mut up, mut down) = (at.map(|i| i as isize), at.map(|i| i as isize));
+            up[a] += 1;
+            down[a] -= 1;
+            0.5 * self.inverse_dx * (self.value(up) - self.value(down))
+        })
+    }
+
+    /// The lattice cell that contains `x`, and the coordinates of `x` in it.
+    fn locate(&self, x: &Vector<D>) -> ([isize; D], [f64; D]) {
+        let mut base = [0; D];
+        let mut t = [0.0; D];
+        for a in 0..D {
+            // Clamp to two cells beyond the edge: there is no data farther out.
+            let s = x[a] * self.inverse_dx + (self.margin_cells[a] - self.stagger_cells[a]);
+            let s = s.clamp(-2.0, self.lattice.extent[a] as f64 + 1.0);
+            let floor = s.floor();
+            base[a] = floor as isize;
+            t[a] = s - floor;
+        }
+        (base, t)
+    }
+
+    fn stencil(&self, base: [isize; D]) -> Stencil {
+        self.rows::<4, 4, 16>(base)
+    }
+
+    /// The values around a point, `N` along each axis, in rows of `L` lanes of which the first `N` count; `R` is `N²`.
+    fn rows<const N: usize, const L: usize, const R: usize>(&self, base: [isize; D]) -> [[f64; L]; R] {
+        let mut rows = [[0.0; L]; R];
+        let first = base.map(|b| b - (N as isize / 2 - 1));
+        let inside =
+            (0..D).all(|a| first[a] >= 0 && first[a] + N as isize <= self.lattice.extent[a] as isize);
+        if inside {
+            let origin = self.lattice.index(first.map(|i| i as usize));
+            let lanes = if origin + self.reach::<N>() + L <= self.data.len() { L } else { N };
+            for plane in 0..N.pow(D as u32 - 2) {
+                for line in 0..N {
+                    let across = line * self.lattice.stride[1];
+                    let up = if D == 3 { plane * self.lattice.stride[2] } else { 0 };
+                    let at = origin + across + up;
+                    let row = &mut rows[plane * N + line];
+                    if lanes == L {
+                        row.copy_from_slice(&self.data[at..at + L]);
+                    } else {
+                        row[..N].copy_from_slice(&self.data[at..at + N]);
+                    }
+                }
+            }
+        } else {
+            let axes: [[(usize, f64); N]; D] =
+                std::array::from_fn(|a| std::array::from_fn(|k| self.mirrored(a, first[a] + k as isize)));
+            for (row, values) in rows.iter_mut().enumerate().take(N.pow(D as u32 - 1)) {
+                let (mut at, mut sign) = (0, 1.0);
+                for a in 1..D {
+                    let (index, factor) = axes[a][row / N.pow(a as u32 - 1) % N];
+                    at += index * self.lattice.stride[a];
+                    sign *= factor;
+                }
+                for (value, (index, factor)) in values.iter_mut().zip(axes[0]) {
+                    *value = sign * factor * self.data[at + index];
+                }
+            }
+        }
+        rows
+    }
+
+    /// Distance in the data from the first to the last row of a stencil of `N` points along each axis.
+    fn reach<const N: usize>(&self) -> usize {
+        (1..D).map(|a| (N - 1) * self.lattice.stride[a]).sum()
+    }
+
+    /// The value at a lattice point that may lie beyond the edges.
+    pub fn value(&self, at: [isize; D]) -> f64 {
+        let places: [(usize, f64); D] = std::array::from_fn(|a| self.mirrored(a, at[a]));
+        let sign: f64 = places.iter().map(|place| place.1).product();
+        sign * self.data[self.lattice.index(places.map(|place| place.0))]
+    }
+
+    /// The place along an axis that holds the value of a place that may lie beyond the edges, and the factor of this value.
+    #[inline]
+    fn mirrored(&self, a: usize, at: isize) -> (usize, f64) {
+        let n = self.lattice.extent[a] as isize;
+        // The mirror planes are the domain's sides: half a cell beyond the outermost centre, or on the outermost face.
+        let beyond = if self.stagger_cells[a] == 0.5 { 1 } else { 0 };
+        let (edge, mirrored) = if at < 0 {
+            (self.boundary_extensions[a][0], -at - beyond)
+        } else if at >= n {
+            (self.boundary_extensions[a][1], 2 * (n - 1) + beyond - at)
+        } else {
+            return (at as usize, 1.0);
+        };
+        match edge {
+            BoundaryExtension::Even => (mirrored.clamp(0, n - 1) as usize, 1.0),
+            BoundaryExtension::Odd => (mirrored.clamp(0, n - 1) as usize, -1.0),
+            BoundaryExtension::Clamp => (at.clamp(0, n - 1) as usize, 1.0),
+        }
+    }
+}
+
+/// Multilinear interpolation between the middle points of a stencil.
+fn multilinear<const D: usize>(stencil: &Stencil, t: &[f64; D]) -> f64 {
+    let weights: [[f64; 4]; D] = std::array::from_fn(|a| [0.0, 1.0 - t[a], t[a], 0.0]);
+    contract::<D>(&stencil[..1 << (2 * (D - 1))], &weights)
+}
+
+#[cfg(test)]
+mod tests;
