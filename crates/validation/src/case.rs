@@ -1,6 +1,7 @@
 //! A case of the validation suite, its checks and its outcome.
 
 use serde::Serialize;
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
@@ -97,6 +98,12 @@ impl Check {
     }
 }
 
+/// The message of a panic.
+fn panic_message(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<&str>().copied();
+    text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("a panic without a message")
+}
+
 /// Outcome of a case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
@@ -116,9 +123,13 @@ impl Case {
     /// Runs the case. A panic or an empty list of checks counts as a failed check.
     pub fn outcome(&self, mode: Mode) -> Outcome {
         let start = Instant::now();
-        let checks = catch_unwind(AssertUnwindSafe(|| (self.run)(mode))).unwrap_or_default();
-        let checks =
-            if checks.is_empty() { vec![Check::unfinished(self.name, "runs to its end")] } else { checks };
+        let unfinished =
+            |reason: &str| vec![Check::unfinished(self.name, &format!("runs to its end{reason}"))];
+        let checks = match catch_unwind(AssertUnwindSafe(|| (self.run)(mode))) {
+            Ok(checks) if checks.is_empty() => unfinished(" (it has no check)"),
+            Ok(checks) => checks,
+            Err(panic) => unfinished(&format!(" ({})", panic_message(&*panic))),
+        };
         Outcome {
             name: self.name.into(),
             title: self.title.into(),

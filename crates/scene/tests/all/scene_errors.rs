@@ -80,6 +80,21 @@ fn misspelt_key() {
 }
 
 #[test]
+fn a_table_below_the_header_of_another() {
+    let e = bad("[tension]\nliquid_air", "tension.liquid_air");
+    assert_eq!((e.message.as_str(), marked(&e)), ("unknown key `tension`", "tension"));
+    assert!(e.help.as_deref().is_some_and(|help| help.contains("`[tension]` as a header of its own")));
+}
+
+#[test]
+fn a_list_is_no_table() {
+    let e = bad("[output]\nduration = \"10 ms\"", "[[output]]\nduration = \"10 ms\"");
+    assert_eq!(e.message, "found a list");
+    let e = bad("[output]\nduration = \"10 ms\"", "[output]\nduration = 2026-01-01");
+    assert_eq!(e.message, "found a date");
+}
+
+#[test]
 fn wrong_dimension() {
     assert_eq!(
         bad("\"1 g/cm^3\"", "\"1 g/cm\"").render(),

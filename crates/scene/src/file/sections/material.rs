@@ -87,6 +87,11 @@ pub struct Elastic {
 }
 
 impl Material {
+    /// Whether forces move the solid.
+    pub fn is_moved_by_forces(&self) -> bool {
+        !matches!(self, Self::Rigid { fixed: true } | Self::Kinematic { .. })
+    }
+
     /// Whether a solid of this material deforms.
     pub fn deforms(&self) -> bool {
         matches!(self, Self::Springs { .. } | Self::NeoHookean(_) | Self::Corotated(_))

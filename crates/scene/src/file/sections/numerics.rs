@@ -76,11 +76,15 @@ pub enum Scheme {
 }
 
 impl Numerics {
-    /// Checks the section of a scene; `soft`: whether a solid deforms.
+    /// Checks the section of a scene; `has_moving_solids`: whether forces move or deform a solid.
     ///
     /// # Errors
     /// [`SceneError`] at the value.
-    pub(in crate::file) fn validate(&self, soft: bool, v: &mut Validator) -> Result<(), SceneError> {
+    pub(in crate::file) fn validate(
+        &self,
+        has_moving_solids: bool,
+        v: &mut Validator,
+    ) -> Result<(), SceneError> {
         let at = |key: &str| format!("numerics.{key}");
         let max_step = Some(self.max_step).filter(|step| !is_unbounded(step));
         for (key, step) in [("max_step", max_step), ("fixed_step", self.fixed_step)] {
@@ -95,8 +99,8 @@ impl Numerics {
         let newton = at("newton_iterations");
         let iterations = f64::from(self.newton_iterations);
         v.within(&newton, "the number of Newton iterations", iterations, [0.0, 20.0])?;
-        if iterations > 0.0 && !soft {
-            v.warn(&newton, "`newton_iterations` has no effect: no solid deforms");
+        if iterations > 0.0 && !has_moving_solids {
+            v.warn(&newton, "`newton_iterations` has no effect: no solid moves freely or deforms");
         }
         let threads =
             self.threads.map(|n| v.within(&at("threads"), "the number of threads", n as f64, [1.0, 1024.0]));

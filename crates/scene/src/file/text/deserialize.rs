@@ -47,7 +47,12 @@ impl ReadError {
         source.point(SceneError::new(self.message).with_help(self.help), self.span)
     }
 
-    fn unexpected(found: impl Display, wanted: &dyn Expected) -> Self {
+    fn unexpected(found: Unexpected<'_>, wanted: &dyn Expected) -> Self {
+        let found = match found {
+            Unexpected::Seq => "a list".to_owned(),
+            Unexpected::Map => "a table".to_owned(),
+            other => other.to_string(),
+        };
         Self::new(format!("found {found}"), format!("expected {}", plain_type(&wanted.to_string())))
     }
 
@@ -57,6 +62,10 @@ impl ReadError {
         let near = meant.map(|m| m.1).or_else(|| nearest(found, accepted.iter().copied()));
         let near = near.map_or_else(String::new, |n| format!("did you mean `{n}`? "));
         let help = match accepted {
+            _ if noun == "key" && SCENE_TABLES.contains(&found) => format!(
+                "`{found}` is a table of the scene, but a line under a header in brackets belongs to the table of that header: write \
+                 `[{found}]` as a header of its own, or put the line above the first header"
+            ),
             [] => format!("no {noun} is accepted here"),
             _ => format!("{near}accepted: {}", accepted.join(", ")),
         };
@@ -81,7 +90,7 @@ impl serde::de::Error for ReadError {
     }
 
     fn invalid_length(length: usize, wanted: &dyn Expected) -> Self {
-        Self::unexpected(format_args!("length {length}"), wanted)
+        Self::unexpected(Unexpected::Other(&format!("a list of length {length}")), wanted)
     }
 
     fn unknown_variant(found: &str, accepted: &'static [&'static str]) -> Self {
@@ -102,6 +111,10 @@ impl serde::de::Error for ReadError {
         Self::new(format!("the key `{key}` is missing"), help)
     }
 }
+
+/// The tables of a scene. In TOML one that is written below the header of another table becomes a key of that.
+const SCENE_TABLES: [&str; 8] =
+    ["domain", "liquid", "solid", "tension", "contact_line", "numerics", "output", "expect"];
 
 /// Common synonyms, mapped to the keys and values of the scene grammar.
 const SYNONYMS: [(&str, &str); 8] = [
@@ -184,7 +197,7 @@ impl<'de> Deserializer<'de> for Value<'de> {
             DeValue::Integer(number) => visit_integer(&number, visitor),
             DeValue::Float(number) => visit_float(number.as_str(), visitor),
             DeValue::Boolean(value) => visitor.visit_bool(value),
-            DeValue::Datetime(_) => Err(ReadError::invalid_type(Unexpected::Other("date"), &visitor)),
+            DeValue::Datetime(_) => Err(ReadError::invalid_type(Unexpected::Other("a date"), &visitor)),
             DeValue::Array(list) => {
                 visitor.visit_seq(SeqDeserializer::new(list.into_iter().map(|value| Value { value, dx })))
             }
@@ -215,6 +228,19 @@ impl<'de> Deserializer<'de> for Value<'de> {
             _ => visitor.visit_newtype_struct(self),
         };
         read.map_err(|e| e.or_at(span))
+    }
+
+    /// A table; derived visitors would take a list of its values, too.
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, ReadError> {
+        if matches!(self.value.get_ref(), DeValue::Array(_)) {
+            return Err(ReadError::invalid_type(Unexpected::Seq, &visitor).or_at(self.value.span()));
+        }
+        self.deserialize_any(visitor)
     }
 
     /// The content of a value of an enum that is written as a table: nothing.
@@ -253,7 +279,7 @@ impl<'de> Deserializer<'de> for Value<'de> {
 
     serde::forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf
-        unit_struct seq tuple tuple_struct map struct identifier ignored_any
+        unit_struct seq tuple tuple_struct map identifier ignored_any
     }
 }
 
