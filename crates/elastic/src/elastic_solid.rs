@@ -111,7 +111,9 @@ impl<const D: usize> Elastic<D> {
     /// Weighted sum of the tangents of all terms at positions.
     pub fn tangent(&self, positions: &[Vector<D>], weights: TangentWeights) -> BlockMatrix<D> {
         let mut matrix = BlockMatrix::new(self.pattern.clone());
-        self.terms.iter().for_each(|t| t.add_tangent(positions, weights, &mut matrix));
+        if weights.stiffness != 0.0 || weights.viscosity != 0.0 {
+            self.terms.iter().for_each(|t| t.add_tangent(positions, weights, &mut matrix));
+        }
         matrix
     }
 
