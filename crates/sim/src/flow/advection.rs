@@ -129,7 +129,7 @@ const EXTRAPOLATION_REACH_CELLS: f64 = 1.5;
 struct Depths<'a, const D: usize> {
     before: Sampler<'a, D>,
     after: Sampler<'a, D>,
-    reach: f64,
+    cut: &'a CutCells<D>,
 }
 
 impl<const D: usize> Depths<'_, D> {
@@ -138,9 +138,17 @@ impl<const D: usize> Depths<'_, D> {
     /// Near the interface liquid keeps its depth where the interface moves with the flow. Where the contact angle, hysteresis or the volume
     /// correction hold the interface against an inflow, the path would begin beyond it, in the extrapolated velocity. With the slope `s`
     /// behind the surface and the Courant number `c`, the velocity would grow by `c s` in each step, without a bound (experiment E7).
-    fn corrected(&self, departure: Vector<D>, arrival: &Vector<D>) -> Vector<D> {
+    fn corrected(&self, departure: Vector<D>, arrival: &Vector<D>, face: [usize; D]) -> Vector<D> {
+        let grid = &self.cut.open_fraction.grid;
+        let reach = EXTRAPOLATION_REACH_CELLS * grid.dx;
+        let cell = grid.lattice().index(std::array::from_fn(|a| face[a].min(grid.cells[a] - 1)));
+        // Away from solids φ is a distance, of which linear interpolation is off by less than a cell.
+        let is_distance = self.cut.distance_cells(cell) > STENCIL_REACH_CELLS;
+        if is_distance && self.before.linear(&departure) < -reach - grid.dx {
+            return departure;
+        }
         let (before, gradient) = self.before.distance_with_gradient(&departure);
-        if before < -self.reach {
+        if before < -reach {
             return departure;
         }
         let excess = before - self.after.distance_with_gradient(arrival).0;
@@ -152,17 +160,18 @@ impl<const D: usize> Depths<'_, D> {
 }
 
 /// Advected velocity on the given faces: one list of values per axis, segment after segment. `phi` is the signed distance before the step
-/// and after it.
+/// and after it, `cut` are the cells beside solids.
 pub fn advect_velocity<const D: usize>(
     model: &Model<D>,
     phi: [&CellField<D>; 2],
     velocity: &FaceField<D>,
     faces: &[Vec<Segment>; D],
+    cut: &CutCells<D>,
     dt: f64,
 ) -> [Vec<f64>; D] {
     let flow = VelocitySampler::new(model, velocity);
     let [before, after] = phi.map(|phi| Sampler::cells(&model.grid, &phi.data, model.scalar_boundary()));
-    let depths = Depths { before, after, reach: EXTRAPOLATION_REACH_CELLS * model.grid.dx };
+    let depths = Depths { before, after, cut };
     std::array::from_fn(|axis| {
         let lattice = model.grid.face_lattice(axis);
         let mut values = vec![0.0; faces[axis].iter().map(|s| s.end - s.start).sum()];
@@ -177,7 +186,7 @@ pub fn advect_velocity<const D: usize>(
                 }
                 let x = model.grid.face_center(axis, at);
                 let departure = departure_point(&x, dt, |x| flow.linear(x));
-                *value = flow.axes[axis].cubic(&depths.corrected(departure, &x));
+                *value = flow.axes[axis].cubic(&depths.corrected(departure, &x, at));
             }
         });
         values
@@ -231,7 +240,8 @@ mod tests {
                 work.band.cells.iter().zip(values).for_each(|(c, v)| phi.data[*c as usize] = v);
             }
             let segments = work.known_faces.liquid_faces().clone();
-            let moved = advect_velocity(&model, [&state.phi, &phi], &state.velocity, &segments, 0.1);
+            let phis = [&state.phi, &phi];
+            let moved = advect_velocity(&model, phis, &state.velocity, &segments, &work.cut_cells, 0.1);
             for (a, axis) in moved.iter().enumerate() {
                 let row = model.grid.face_lattice(a).extent[0];
                 let own = segments[a].iter().flat_map(|s| s.row * row + s.start..s.row * row + s.end);
