@@ -99,12 +99,13 @@ fn newton_iterations_are_asked_for() {
     let text = SCENE.replace("LEVEL", "\"2 mm\"");
     let e = load(&format!("{text}{}", with(50))).unwrap_err();
     assert!(e.message.contains("Newton iterations is 50"), "{e}");
-    let rigid = text.replace(
-        "material.neo_hookean = { young_modulus = \"4 kPa\", poisson_ratio = 0.3, damping_ratio = 0.5 }",
-        "material.rigid = {}",
-    );
-    let warnings = load(&format!("{rigid}{}", with(2))).unwrap().warnings.0;
-    assert!(warnings.iter().any(|w| w.message.contains("no solid deforms")), "{warnings:?}");
+    let warns = |material: &str| {
+        let law =
+            "material.neo_hookean = { young_modulus = \"4 kPa\", poisson_ratio = 0.3, damping_ratio = 0.5 }";
+        let warnings = load(&format!("{}{}", text.replace(law, material), with(2))).unwrap().warnings.0;
+        warnings.iter().any(|w| w.message.contains("no solid moves freely or deforms"))
+    };
+    assert!(warns("material.rigid.fixed = true") && !warns("material.rigid = {}"));
 }
 
 /// The energy of the surface of the block at rest, over its perimeter, N/m.
