@@ -62,10 +62,13 @@ impl ReadError {
         let near = meant.map(|m| m.1).or_else(|| nearest(found, accepted.iter().copied()));
         let near = near.map_or_else(String::new, |n| format!("did you mean `{n}`? "));
         let help = match accepted {
-            _ if noun == "key" && SCENE_TABLES.contains(&found) => format!(
-                "`{found}` is a table of the scene, but a line under a header in brackets belongs to the table of that header: write \
-                 `[{found}]` as a header of its own, or put the line above the first header"
-            ),
+            _ if noun == "key" && SCENE_TABLES.contains(&found) => {
+                let header = if found == "solid" { "[[solid]]".to_owned() } else { format!("[{found}]") };
+                format!(
+                    "`{found}` is a table of the scene, but a line under a header in brackets belongs to the table of that header: \
+                     write `{header}` as a header of its own, or put the line above the first header"
+                )
+            }
             [] => format!("no {noun} is accepted here"),
             _ => format!("{near}accepted: {}", accepted.join(", ")),
         };
