@@ -249,9 +249,12 @@ pub struct VerifyArgs {
     /// Coarse and short: minutes, not hours.
     #[arg(long)]
     pub quick: bool,
-    /// Write the results as JSON.
+    /// Write the results as JSON. This file and the pages are written anew after each case.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Keep the results that the file of --json already has, and run the other cases. They must be of the same version.
+    #[arg(long, requires = "json")]
+    pub resume: bool,
     /// Write the results as an HTML page.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,

@@ -104,6 +104,7 @@ fn wrong_usage_is_status_2() {
         "run small.toml --resume --force",
         "run small.toml --threads 0",
         "verify no-such-case",
+        "verify contour-length --resume",
         "bench no-such-bench",
         "bench --markdown",
         "bench table1 step --markdown",

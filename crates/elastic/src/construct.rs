@@ -34,6 +34,8 @@ pub struct ElasticParts<const D: usize> {
     pub damping_ratio: f64,
     /// Young's modulus, Pa, which scales the stiffness of contacts.
     pub young_modulus: f64,
+    /// Order of the elements.
+    pub order: ElementOrder,
     /// Barriers against the inversion of elements.
     pub inversion_barriers: Vec<Continuum<InversionBarrier, D>>,
 }
@@ -73,6 +75,7 @@ impl<const D: usize> Elastic<D> {
             anchors,
             damping_ratio,
             young_modulus: young_modulus(&mesh, law),
+            order: law.order(),
             inversion_barriers: inversion_barriers(&mesh, law)?,
             rest_mesh: mesh,
         })
@@ -96,6 +99,7 @@ impl<const D: usize> Elastic<D> {
             anchored,
             damping_time: 0.0,
             young_modulus: parts.young_modulus,
+            order: parts.order,
             solver,
             pattern,
             inversion_barriers: parts.inversion_barriers,

@@ -7,6 +7,7 @@ use crate::term::inversion_barrier::InversionBarrier;
 use crate::{Anchor, DiscreteGradientTerm, ElasticState, ForceTerm};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;
+use meniscus_numerics::mesh::volume::ElementOrder;
 use std::sync::Arc;
 
 /// A deformable solid without its state.
@@ -23,6 +24,7 @@ pub struct Elastic<const D: usize> {
     pub(crate) anchored: Vec<bool>,
     pub(crate) damping_time: f64,
     pub(crate) young_modulus: f64,
+    pub(crate) order: ElementOrder,
     pub(crate) solver: LinearSolver,
     pub(crate) pattern: Arc<SparsityPattern>,
     /// Barriers against the inversion of elements.
@@ -53,6 +55,11 @@ impl<const D: usize> Elastic<D> {
     /// Young's modulus, Pa. For springs: their stiffness over the longest edge (2D: their stiffness).
     pub fn young_modulus(&self) -> f64 {
         self.young_modulus
+    }
+
+    /// Order of the elements.
+    pub fn order(&self) -> ElementOrder {
+        self.order
     }
 
     /// Entries of the Cholesky factor of the solid's matrix; a solve takes two multiplications for each. Without a factor: the

@@ -1,12 +1,13 @@
 //! A case of the validation suite, its checks and its outcome.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
 /// How thoroughly a case is run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Mode {
     /// Coarse and short.
     Quick,
@@ -39,7 +40,7 @@ pub struct Group {
 }
 
 /// One number of a case against its reference.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Check {
     /// Name of the case.
     pub case: String,
@@ -105,7 +106,7 @@ fn panic_message(panic: &(dyn Any + Send)) -> &str {
 }
 
 /// Outcome of a case.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// Its name.
     pub name: String,

@@ -3,6 +3,7 @@
 use crate::cases::groups;
 use crate::{Check, Mode, Outcome};
 use meniscus_scene::output::markdown::{one_line, row};
+use serde::Deserialize;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -36,17 +37,35 @@ pub fn summary(outcomes: &[Outcome]) -> String {
     format!("{passed} of {all} checks passed in {seconds:.0} s\n")
 }
 
-/// The results as JSON.
-pub fn json(outcomes: &[Outcome]) -> Value {
+/// The results as JSON. `version` is that of the program.
+pub fn json(outcomes: &[Outcome], mode: Mode, version: &str) -> Value {
     let (passed, all) = count(outcomes);
-    json!({ "version": env!("CARGO_PKG_VERSION"), "passed": passed, "checks": all, "cases": outcomes })
+    json!({ "version": version, "mode": mode, "passed": passed, "checks": all, "cases": outcomes })
 }
 
-/// The results as a self-contained page.
-pub fn html(outcomes: &[Outcome]) -> String {
+/// The outcomes in a text that [`json`] wrote. One with a number that is not finite is left out, because JSON does not hold it.
+///
+/// # Errors
+/// The text is not of this form, or the results are of another version or mode.
+pub fn outcomes_of_json(text: &str, mode: Mode, version: &str) -> Result<Vec<Outcome>, String> {
+    let all: Value = serde_json::from_str(text).map_err(|e| format!("it is not a file of results: {e}"))?;
+    if all["version"] != version || all["mode"] != json!(mode) {
+        let [of, as_mode] = ["version", "mode"].map(|key| all[key].as_str().unwrap_or("unknown"));
+        return Err(format!("its results are of version {of}, mode {as_mode}; this program is {version}"));
+    }
+    let cases = all["cases"].as_array().ok_or("it has no list of cases")?;
+    Ok(cases.iter().filter_map(|case| Outcome::deserialize(case).ok()).collect())
+}
+
+/// The results as a self-contained page. `version` is that of the program.
+pub fn html(outcomes: &[Outcome], version: &str) -> String {
     let (passed, all) = count(outcomes);
     let mut out = String::from(HEAD);
-    let _ = writeln!(out, "<h1>Meniscus: validation</h1><p>{passed} of {all} checks passed.</p>");
+    let _ = writeln!(
+        out,
+        "<h1>Meniscus: validation</h1><p>Meniscus {}: {passed} of {all} checks passed.</p>",
+        escape(version)
+    );
     for outcome in outcomes {
         let _ = writeln!(out, "<h2>{}</h2><p>{}</p>", escape(&outcome.title), escape(&outcome.theory));
         out += "<table><tr><th>quantity<th>value<th>reference<th>error<th>must<th>aim<th></tr>\n";
@@ -175,8 +194,14 @@ mod tests {
         let text = text(&outcome);
         assert!(text.contains("aim met") && text.contains("FAIL"));
         assert!(summary(std::slice::from_ref(&outcome)).contains("1 of 2 checks"));
-        assert!(html(std::slice::from_ref(&outcome)).contains("A &lt;drop&gt;"));
-        assert_eq!(json(&[outcome])["passed"], 1);
+        assert!(html(std::slice::from_ref(&outcome), "0.1.0").contains("A &lt;drop&gt;"));
+        let saved = json(std::slice::from_ref(&outcome), Mode::Quick, "0.1.0");
+        assert_eq!(saved["passed"], 1);
+        let text = saved.to_string();
+        assert_eq!(outcomes_of_json(&text, Mode::Quick, "0.1.0"), Ok(vec![outcome]));
+        assert!(outcomes_of_json(&text, Mode::Full, "0.1.0").unwrap_err().contains("mode quick"));
+        assert!(outcomes_of_json(&text, Mode::Quick, "0.2.0").unwrap_err().contains("version 0.1.0"));
+        assert!(outcomes_of_json("{", Mode::Quick, "0.1.0").is_err());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::args::VerifyArgs;
 use crate::failure::{Failure, MISSED, Result, USAGE};
 use meniscus_validation::{Case, Mode, Outcome, cases, report};
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 /// Runs the validation suite or some of its cases.
 pub fn verify(args: &VerifyArgs) -> Result {
@@ -19,30 +20,56 @@ pub fn verify(args: &VerifyArgs) -> Result {
         return Ok(0);
     }
     let mode = if args.quick { Mode::Quick } else { Mode::Full };
-    let outcomes = with_threads(None, || outcomes(&chosen, mode))?;
+    let earlier = if args.resume { earlier_outcomes(args, mode)? } else { Vec::new() };
+    let outcomes = with_threads(None, || outcomes(args, &chosen, mode, earlier))?;
     print(&report::summary(&outcomes))?;
-    if let Some(path) = &args.json {
-        save(path, &format!("{:#}\n", report::json(&outcomes)))?;
-    }
-    if let Some(path) = &args.html {
-        save(path, &report::html(&outcomes))?;
-    }
-    if let Some(path) = &args.markdown {
-        save(path, &report::markdown(&outcomes, mode, &version()))?;
-    }
     let passed = outcomes.iter().all(|o| o.checks.iter().all(|c| c.pass));
     Ok(if passed { 0 } else { MISSED })
 }
 
-/// Runs cases one after another on the current thread pool, and prints their checks.
-fn outcomes(chosen: &[&Case], mode: Mode) -> Result<Vec<Outcome>> {
-    let run = |(i, case): (usize, &&Case)| {
-        eprintln!("[{}/{}] {}", i + 1, chosen.len(), case.title);
-        let outcome = case.outcome(mode);
+/// Runs cases one after another on the current thread pool, prints their checks, and saves the results after each. Cases with an
+/// `earlier` outcome are not run.
+fn outcomes(
+    args: &VerifyArgs,
+    chosen: &[&Case],
+    mode: Mode,
+    mut earlier: Vec<Outcome>,
+) -> Result<Vec<Outcome>> {
+    let mut all = Vec::new();
+    for (i, case) in chosen.iter().enumerate() {
+        let known = earlier.iter().position(|o| o.name == case.name).map(|k| earlier.swap_remove(k));
+        let when = if known.is_some() { " (earlier)" } else { "" };
+        eprintln!("[{}/{}] {}{when}", i + 1, chosen.len(), case.title);
+        let is_new = known.is_none();
+        let outcome = known.unwrap_or_else(|| case.outcome(mode));
         print(&report::text(&outcome))?;
-        Ok(outcome)
+        all.push(outcome);
+        if is_new || i + 1 == chosen.len() {
+            save_results(args, &all, mode)?;
+        }
+    }
+    Ok(all)
+}
+
+/// Saves the results in the files that the arguments name.
+fn save_results(args: &VerifyArgs, outcomes: &[Outcome], mode: Mode) -> Result<()> {
+    let save = |path: &Option<PathBuf>, text: &dyn Fn() -> String| match path {
+        Some(path) => save(path, &text()),
+        None => Ok(()),
     };
-    chosen.iter().enumerate().map(run).collect()
+    save(&args.json, &|| format!("{:#}\n", report::json(outcomes, mode, &version())))?;
+    save(&args.html, &|| report::html(outcomes, &version()))?;
+    save(&args.markdown, &|| report::markdown(outcomes, mode, &version()))
+}
+
+/// The outcomes in the file of `--json`; none where there is no such file.
+fn earlier_outcomes(args: &VerifyArgs, mode: Mode) -> Result<Vec<Outcome>> {
+    let Some(path) = args.json.as_ref().filter(|path| path.exists()) else { return Ok(Vec::new()) };
+    let text = std::fs::read_to_string(path).map_err(Failure::file("read", path))?;
+    report::outcomes_of_json(&text, mode, &version()).map_err(|reason| {
+        Failure::new(USAGE, format!("cannot resume from {}: {reason}", path.display()))
+            .help("give another file to --json, or leave out --resume")
+    })
 }
 
 fn choose(args: &VerifyArgs) -> Result<Vec<&'static Case>> {

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 const MAGIC: &[u8; 8] = b"MENISCKP";
-const VERSION: u32 = 16;
+const VERSION: u32 = 17;
 /// Bytes per block before compression.
 const BLOCK_BYTES: usize = 1 << 22;
 /// Blocks that are compressed side by side.

@@ -76,16 +76,21 @@ impl<'a, const D: usize> Configuration<'a, D> {
     /// Position of a point, m.
     pub fn position(&self, owner: &PointOwner<D>) -> Vector<D> {
         match *owner {
-            PointOwner::Vertex { solid, vertex } => {
-                let from = self.solids[solid]
-                    .as_deformable()
-                    .map_or(Vector::zeros(), |b| b.vertices.positions[vertex]);
-                from + self.velocities[self.points.first_node[solid] + vertex] * self.time
-            }
+            PointOwner::Vertex { solid, vertex } => self.vertex_position(solid, vertex),
+            PointOwner::FacetCenter { solid, facet } => facet
+                .center_weights()
+                .map(|(vertex, weight)| self.vertex_position(solid, vertex as usize) * weight)
+                .sum(),
             PointOwner::Rigid { solid, at } => {
                 self.model.solids[solid].to_current(&self.frames[solid].rigid, &at)
             }
         }
+    }
+
+    fn vertex_position(&self, solid: usize, vertex: usize) -> Vector<D> {
+        let body = self.solids[solid].as_deformable();
+        let from = body.map_or(Vector::zeros(), |b| b.vertices.positions[vertex]);
+        from + self.velocities[self.points.first_node[solid] + vertex] * self.time
     }
 
     /// Positions of all points, m.
@@ -129,6 +134,10 @@ impl<'a, const D: usize> Configuration<'a, D> {
         match *owner {
             PointOwner::Vertex { solid, vertex } => {
                 vec![(self.points.first_node[solid] + vertex, Matrix::identity())]
+            }
+            PointOwner::FacetCenter { solid, facet } => {
+                let first = self.points.first_node[solid];
+                facet.center_weights().map(|(v, w)| (first + v as usize, Matrix::identity() * w)).collect()
             }
             PointOwner::Rigid { solid, .. } => {
                 let frame = &self.frames[solid];

@@ -9,8 +9,8 @@ use crate::solid::{RigidKinematics, Solid, SolidKind, SolidState};
 use meniscus_contact::{CollisionMesh, FeaturePairs, Plane};
 use meniscus_elastic::{Assembly, Elastic};
 use meniscus_numerics::Vector;
-use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_numerics::mesh::surface::area_vector;
+use meniscus_numerics::mesh::volume::QuadraticFacet;
 use meniscus_numerics::shape::Shape;
 use std::collections::BTreeMap;
 
@@ -132,14 +132,18 @@ impl<const D: usize> SampledSurfaces<D> {
         all
     }
 
-    /// Adds the surface of a deformable solid.
+    /// Adds the collision surface of a deformable solid.
     fn add_vertices(&mut self, solid: usize, surface: &SolidSurface<D>) {
-        let (SurfaceMesh { positions, facets }, from) = (&surface.mesh, self.owners.len() as u32);
-        self.owners.extend(
-            surface.volume_vertices().iter().map(|v| PointOwner::Vertex { solid, vertex: *v as usize }),
-        );
-        self.positions.extend_from_slice(positions);
-        self.facets.extend(facets.iter().map(|f| f.map(|v| v + from)));
+        let (numbers, from) = (surface.volume_vertices(), self.owners.len() as u32);
+        let number = |v: u32| numbers[v as usize];
+        let vertex = |v: &u32| PointOwner::Vertex { solid, vertex: *v as usize };
+        let center = |QuadraticFacet { corners, edges }: &QuadraticFacet| {
+            let facet = QuadraticFacet { corners: corners.map(number), edges: edges.map(number) };
+            PointOwner::FacetCenter { solid, facet }
+        };
+        self.owners.extend(numbers.iter().map(vertex).chain(surface.collision.centers.iter().map(center)));
+        self.positions.extend(surface.collision.positions(&surface.mesh.positions));
+        self.facets.extend(surface.collision.facets.iter().map(|f| f.map(|v| v + from)));
         self.exposed.resize(self.owners.len(), true);
     }
 

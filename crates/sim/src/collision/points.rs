@@ -9,6 +9,7 @@ use crate::solid::SolidState;
 use meniscus_contact::{CollisionMesh, Plane};
 use meniscus_elastic::Assembly;
 use meniscus_numerics::Vector;
+use meniscus_numerics::mesh::volume::QuadraticFacet;
 use std::collections::BTreeMap;
 
 /// Activation distance of the barrier, in cells. Surfaces in contact are then within half a cell, so the grid does not resolve their gap.
@@ -23,6 +24,13 @@ pub enum PointOwner<const D: usize> {
         /// Number of the vertex in its mesh.
         vertex: usize,
     },
+    /// The centre of a quadratic facet of a deformable solid.
+    FacetCenter {
+        /// Number of the solid.
+        solid: usize,
+        /// The facet, with vertices of its mesh.
+        facet: QuadraticFacet,
+    },
     /// A material point of a rigid solid.
     Rigid {
         /// Number of the solid.
@@ -36,7 +44,9 @@ impl<const D: usize> PointOwner<D> {
     /// Number of the solid.
     pub fn solid(&self) -> usize {
         match self {
-            Self::Vertex { solid, .. } | Self::Rigid { solid, .. } => *solid,
+            Self::Vertex { solid, .. } | Self::FacetCenter { solid, .. } | Self::Rigid { solid, .. } => {
+                *solid
+            }
         }
     }
 }
@@ -127,10 +137,13 @@ impl<const D: usize> CollisionPoints<D> {
 
     /// Whether a point has prescribed motion.
     pub fn is_prescribed(&self, point: u32) -> bool {
-        self.prescribed_nodes[match self.owners[point as usize] {
-            PointOwner::Vertex { solid, vertex } => self.first_node[solid] + vertex,
-            PointOwner::Rigid { solid, .. } => self.first_node[solid],
-        }]
+        match self.owners[point as usize] {
+            PointOwner::Vertex { solid, vertex } => self.prescribed_nodes[self.first_node[solid] + vertex],
+            PointOwner::FacetCenter { solid, facet } => facet
+                .center_weights()
+                .all(|(vertex, _)| self.prescribed_nodes[self.first_node[solid] + vertex as usize]),
+            PointOwner::Rigid { solid, .. } => self.prescribed_nodes[self.first_node[solid]],
+        }
     }
 
     /// Current velocities of the nodes.

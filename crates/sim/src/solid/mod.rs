@@ -1,5 +1,6 @@
 //! Solids: rigid, prescribed and deformable ones, their surfaces and their wettability.
 
+pub mod collision_surface;
 pub mod description;
 pub mod domain_walls;
 pub mod equilibrium_angle;

@@ -1,5 +1,6 @@
 //! The current surface of a deformable solid.
 
+use super::collision_surface::CollisionSurface;
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::bvh::ClosestPoint;
 use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
@@ -46,6 +47,8 @@ pub fn distribute_to_vertices<const D: usize>(
 pub struct SolidSurface<const D: usize> {
     /// The surface, m.
     pub mesh: SurfaceMesh<D>,
+    /// The part that contacts use.
+    pub collision: Arc<CollisionSurface<D>>,
     /// Index in the volume mesh of each vertex of the surface.
     volume_vertices: Vec<u32>,
     /// Facets around each vertex of the surface.
@@ -61,17 +64,24 @@ impl<const D: usize> SolidSurface<D> {
         for (f, facet) in surface.facets.iter().enumerate() {
             facet.iter().for_each(|v| around[*v as usize].push(f as u32));
         }
-        Self::with_topology(surface, vertices, Arc::new(around))
+        let collision = CollisionSurface::linear(surface.facets.clone());
+        Self::with_topology(surface, Arc::new(collision), vertices, Arc::new(around))
     }
 
     fn with_topology(
         mesh: SurfaceMesh<D>,
+        collision: Arc<CollisionSurface<D>>,
         volume_vertices: Vec<u32>,
         vertex_facets: Arc<Vec<Vec<u32>>>,
     ) -> Self {
         let tree = FacetBvh::new(&mesh);
         let (low, high) = mesh.bounds();
-        Self { mesh, volume_vertices, vertex_facets, tree, bounds: [low, high] }
+        Self { mesh, collision, volume_vertices, vertex_facets, tree, bounds: [low, high] }
+    }
+
+    /// The same surface with another collision surface.
+    pub fn with_collision_surface(self, collision: CollisionSurface<D>) -> Self {
+        Self { collision: Arc::new(collision), ..self }
     }
 
     /// The same surface with other positions of the volume mesh's vertices.
@@ -80,6 +90,7 @@ impl<const D: usize> SolidSurface<D> {
         let positions = self.volume_vertices.iter().map(|v| positions[*v as usize]).collect();
         Self::with_topology(
             SurfaceMesh { positions, facets },
+            self.collision.clone(),
             self.volume_vertices.clone(),
             self.vertex_facets.clone(),
         )

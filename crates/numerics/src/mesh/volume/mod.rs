@@ -17,7 +17,7 @@ mod volume_mesh;
 pub use block::BlockError;
 pub use outline::{Outline, OutlineError};
 pub use planar::PlanarTriangulation;
-pub use quadratic::{ElementOrder, QuadraticSimplex};
+pub use quadratic::{ElementOrder, QuadraticFacet, QuadraticSimplex};
 pub use quality::{MeshDefect, MeshQuality, SimplexShape};
 pub use read::VolumeImportError;
 pub use stuffing::{StuffingError, stuff};

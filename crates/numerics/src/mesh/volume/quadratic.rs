@@ -15,6 +15,7 @@
 use super::{Simplex, VolumeMesh};
 use crate::mesh::surface::area_vector;
 use crate::{Matrix, Vector};
+use std::collections::BTreeMap;
 
 /// Nodes of a quadratic simplex in 3D.
 const MAX_NODES: usize = 10;
@@ -51,6 +52,23 @@ impl<const D: usize> QuadraticSimplex<D> {
     pub fn jacobian(&self, slopes: &[Vector<D>], positions: &[Vector<D>]) -> Matrix<D> {
         let at = self.nodes().iter().map(|v| positions[*v as usize]);
         at.zip(slopes).fold(Matrix::zeros(), |sum, (x, slope)| sum + x * slope.transpose())
+    }
+}
+
+/// Facet of a quadratic simplex in 3D.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct QuadraticFacet {
+    /// Its corners.
+    pub corners: [u32; 3],
+    /// The nodes on its edges.
+    pub edges: [u32; 3],
+}
+
+impl QuadraticFacet {
+    /// Its nodes with the values of their shape functions in its centre: -1/9 for a corner, 4/9 on an edge.
+    pub fn center_weights(&self) -> impl Iterator<Item = (u32, f64)> {
+        let corners = self.corners.into_iter().map(|v| (v, -1.0 / 9.0));
+        corners.chain(self.edges.into_iter().map(|v| (v, 4.0 / 9.0)))
     }
 }
 
@@ -124,6 +142,24 @@ impl<const D: usize> VolumeMesh<D> {
             return None;
         }
         parts.map(quadratic_simplex).collect()
+    }
+
+    /// Facets of quadratic simplices in 3D that may be on the boundary, each with its three corners and the nodes on its edges; the key
+    /// is the sorted list of the latter. In 2D a facet's centre is a node, and the result is empty.
+    pub fn quadratic_facets(&self) -> BTreeMap<[u32; 3], QuadraticFacet> {
+        let parents = if D == 3 { self.quadratic_simplices().unwrap_or_default() } else { Vec::new() };
+        let of = |parent: &QuadraticSimplex<D>| {
+            let edge = |i: usize, j: usize| edge_pairs::<D>().position(|e| e == (i.min(j), i.max(j)));
+            let middle = |i: usize, j: usize| parent.nodes[D + 1 + edge(i, j).unwrap_or(0)];
+            let facet = |[i, j, k]: [usize; 3]| {
+                let edges = [middle(j, k), middle(k, i), middle(i, j)];
+                let mut key = edges;
+                key.sort_unstable();
+                (key, QuadraticFacet { corners: [i, j, k].map(|c| parent.nodes[c]), edges })
+            };
+            [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]].map(facet)
+        };
+        parents.iter().flat_map(of).collect()
     }
 
     pub(super) fn position(&self, v: u32) -> Vector<D> {

@@ -21,10 +21,10 @@ impl<const D: usize> DeformableSurfaces<D> {
         let mut skins =
             Self { positions: Vec::new(), owner: Vec::new(), facets: Vec::new(), edges: Vec::new() };
         for (number, solid) in solids.iter().enumerate() {
-            let (first, mesh) = (skins.positions.len() as u32, &solid.surface.mesh);
-            skins.positions.extend_from_slice(&mesh.positions);
+            let (first, surface) = (skins.positions.len() as u32, &solid.surface);
+            skins.positions.extend(surface.collision.positions(&surface.mesh.positions));
             skins.owner.resize(skins.positions.len(), number);
-            skins.facets.extend(mesh.facets.iter().map(|f| f.map(|v| v + first)));
+            skins.facets.extend(surface.collision.facets.iter().map(|f| f.map(|v| v + first)));
         }
         if D == 3 {
             let sides =

@@ -59,7 +59,7 @@ impl<const D: usize> Potential<'_, D> {
     fn dashpot(&self, meeting: &SdfPair) -> Option<Dashpot<D>> {
         let owner = &self.points.owners[meeting.point() as usize];
         let excess = self.settling_time - self.lookahead;
-        if excess <= 0.0 || matches!(owner, PointOwner::Vertex { .. }) {
+        if excess <= 0.0 || !matches!(owner, PointOwner::Rigid { .. }) {
             return None;
         }
         let start = &self.old_levels.start;

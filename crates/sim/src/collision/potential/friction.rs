@@ -158,7 +158,7 @@ impl<const D: usize> Potential<'_, D> {
     fn friction_point(&self, meeting: &SdfPair, x: Vector<D>, distance: f64, normal: Vector<D>) -> Vector<D> {
         let point = meeting.point();
         match self.points.owners[point as usize] {
-            PointOwner::Vertex { .. } => x,
+            PointOwner::Vertex { .. } | PointOwner::FacetCenter { .. } => x,
             PointOwner::Rigid { .. } => {
                 let (radius, thickness) = (self.points.surface.radius(point), self.points.thickness(meeting));
                 x - normal * (0.5 * (distance + thickness + radius))

@@ -2,11 +2,13 @@
 
 mod prescribed;
 
+use super::collision_surface::CollisionSurface;
 use super::kinematics::{DeformableKinematics, Kinematics, RigidKinematics};
 use super::surface::SolidSurface;
 use meniscus_elastic::Elastic;
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::SurfaceMesh;
+use meniscus_numerics::mesh::volume::ElementOrder;
 use std::sync::Arc;
 
 pub use prescribed::PrescribedMotion;
@@ -45,11 +47,17 @@ impl<const D: usize> SolidKind<D> {
 
     /// The surface at rest that its vertices move; empty for a rigid solid.
     pub fn rest_surface(&self) -> SolidSurface<D> {
-        let (mesh, vertices) = match self {
-            Self::Fixed | Self::Prescribed(_) | Self::Rigid => (SurfaceMesh::default(), Vec::new()),
-            Self::Deformable(elastic) => elastic.rest_mesh().surface(),
+        let Self::Deformable(elastic) = self else {
+            return SolidSurface::new(SurfaceMesh::default(), Vec::new());
         };
-        SolidSurface::new(mesh, vertices)
+        let (mesh, vertices) = elastic.rest_mesh().surface();
+        let collision = match elastic.order() {
+            ElementOrder::Linear => CollisionSurface::linear(mesh.facets.clone()),
+            ElementOrder::Quadratic => {
+                CollisionSurface::quadratic(elastic.rest_mesh(), mesh.facets.clone(), &vertices)
+            }
+        };
+        SolidSurface::new(mesh, vertices).with_collision_surface(collision)
     }
 
     /// Positions and velocities at the start, with the centre of mass and the velocity that the scene gives (m, m/s).
