@@ -75,9 +75,12 @@ pub fn step<const D: usize>(
         phase_end("solids");
     }
 
-    // (1) The interface moves, φ becomes a distance again, and lines that hysteresis holds stay where they are.
+    // (1) The interface moves, φ becomes a distance again, and lines that hysteresis holds stay where they are. For the interface, faces
+    // that solids close in part have the velocity of the liquid around them.
     let solids_before = Solids { model, states: &solids_before, surfaces: &surfaces_before };
+    work.swap_cut_face_velocities(&mut state.velocity);
     let liquid_before = move_interface(state, work, solids_before, dt);
+    work.swap_cut_face_velocities(&mut state.velocity);
     phase_end("advect surface");
     restore_signed_distance(model, state, work);
     phase_end("redistance");

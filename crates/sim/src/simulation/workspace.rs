@@ -11,7 +11,8 @@ use crate::repairs::Repairs;
 use crate::solid::{SolidKind, SolidState, SolidSurfaces, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::{
-    Band, CellField, CutCells, Grid, Run, Runs, Sampler, Segment, Tiles, VelocityExtension, lattice_points,
+    Band, CellField, CutCells, FaceField, Grid, Run, Runs, Sampler, Segment, Tiles, VelocityExtension,
+    lattice_points,
 };
 use meniscus_numerics::{Matrix, Vector};
 use rayon::prelude::*;
@@ -56,6 +57,8 @@ pub struct Workspace<const D: usize> {
     pub cut_cells: CutCells<D>,
     /// Faces with a known velocity.
     pub known_faces: VelocityExtension<D>,
+    /// Velocities, m/s, that move the interface on faces that solids close in part ([`VelocityExtension::cut_face_velocities`]).
+    cut_face_velocities: [Vec<(u32, f64)>; D],
     /// The dual grid, which measures the interface.
     pub dual_grid: DualGrid<D>,
     /// Dense memory of the pressure solve.
@@ -85,6 +88,7 @@ impl<const D: usize> Workspace<D> {
             surfaces: SolidSurfaces::new(&model.solids, &start),
             cut_cells: CutCells::uncut(grid),
             known_faces: VelocityExtension::new(grid),
+            cut_face_velocities: std::array::from_fn(|_| Vec::new()),
             dual_grid: DualGrid::new(grid, model.cell_bond_vector()),
             pressure: PressureFields::new(model),
             collision_points: Arc::new(CollisionPoints::of(model)),
@@ -269,14 +273,25 @@ impl<const D: usize> Workspace<D> {
     pub fn extend_velocity(&mut self, model: &Model<D>, state: &mut State<D>) -> u64 {
         let distance = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
         let closed = |a: usize, side: usize| model.walls[a][side] == crate::Wall::Slip;
+        self.cut_face_velocities = self.known_faces.cut_face_velocities(&state.velocity, &self.cut_cells);
+        self.swap_cut_face_velocities(&mut state.velocity);
         let (velocity, phi) = (&mut state.velocity, &state.phi.data);
         self.known_faces.extrapolate(velocity, &self.band, phi, &distance, closed);
-        if self.cut_cells.cells.is_empty() {
-            return 0;
+        let mut unknown = 0;
+        if !self.cut_cells.cells.is_empty() {
+            let shut =
+                self.known_faces.extend_into_closed_faces(&mut state.velocity, &self.cut_cells.closed_faces);
+            unknown = impose_slip_velocity(model, state, &self.surfaces, &shut);
         }
-        let shut =
-            self.known_faces.extend_into_closed_faces(&mut state.velocity, &self.cut_cells.closed_faces);
-        impose_slip_velocity(model, state, &self.surfaces, &shut)
+        self.swap_cut_face_velocities(&mut state.velocity);
+        unknown
+    }
+
+    /// Exchanges the velocities of faces that solids close in part with those that move the interface there.
+    pub fn swap_cut_face_velocities(&mut self, velocity: &mut FaceField<D>) {
+        for (values, u) in self.cut_face_velocities.iter_mut().zip(&mut velocity.axes) {
+            values.iter_mut().for_each(|(face, value)| std::mem::swap(value, &mut u[*face as usize]));
+        }
     }
 
     /// Contacts of each component.
