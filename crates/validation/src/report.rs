@@ -43,7 +43,7 @@ pub fn json(outcomes: &[Outcome], mode: Mode, version: &str) -> Value {
     json!({ "version": version, "mode": mode, "passed": passed, "checks": all, "cases": outcomes })
 }
 
-/// The outcomes in a text that [`json`] wrote. One with a number that is not finite is left out, because JSON does not hold it.
+/// The outcomes in a text that [`json()`] wrote. One with a number that is not finite is left out, because JSON does not hold it.
 ///
 /// # Errors
 /// The text is not of this form, or the results are of another version or mode.
