@@ -252,7 +252,8 @@ pub struct VerifyArgs {
     /// Write the results as JSON. This file and the pages are written anew after each case.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Keep the results that the file of --json already has, and run the other cases. They must be of the same version.
+    /// Keep the results that the file of --json already has, and run the other cases. They must be of the same version; two programs of
+    /// one version are told apart only if MENISCUS_COMMIT named the commit when they were compiled.
     #[arg(long, requires = "json")]
     pub resume: bool,
     /// Write the results as an HTML page.

@@ -51,7 +51,11 @@ pub fn outcomes_of_json(text: &str, mode: Mode, version: &str) -> Result<Vec<Out
     let all: Value = serde_json::from_str(text).map_err(|e| format!("it is not a file of results: {e}"))?;
     if all["version"] != version || all["mode"] != json!(mode) {
         let [of, as_mode] = ["version", "mode"].map(|key| all[key].as_str().unwrap_or("unknown"));
-        return Err(format!("its results are of version {of}, mode {as_mode}; this program is {version}"));
+        let this_mode = json!(mode);
+        return Err(format!(
+            "its results are of version {of}, mode {as_mode}; this run is of version {version}, mode {}",
+            this_mode.as_str().unwrap_or_default()
+        ));
     }
     let cases = all["cases"].as_array().ok_or("it has no list of cases")?;
     Ok(cases.iter().filter_map(|case| Outcome::deserialize(case).ok()).collect())

@@ -28,7 +28,7 @@ pub fn verify(args: &VerifyArgs) -> Result {
 }
 
 /// Runs cases one after another on the current thread pool, prints their checks, and saves the results after each. Cases with an
-/// `earlier` outcome are not run.
+/// `earlier` outcome are not run; earlier outcomes of other cases are saved with the rest.
 fn outcomes(
     args: &VerifyArgs,
     chosen: &[&Case],
@@ -45,7 +45,7 @@ fn outcomes(
         print(&report::text(&outcome))?;
         all.push(outcome);
         if is_new || i + 1 == chosen.len() {
-            save_results(args, &all, mode)?;
+            save_results(args, &[all.as_slice(), &earlier].concat(), mode)?;
         }
     }
     Ok(all)

@@ -89,16 +89,6 @@ impl<const D: usize> CutCells<D> {
         }
     }
 
-    /// Faces of the cut cells normal to an axis, sorted.
-    pub fn cut_faces(&self, axis: usize) -> Vec<u32> {
-        let (cells, faces) = (self.open_fraction.grid.lattice(), self.open_fraction.grid.face_lattice(axis));
-        let lower = self.cells.iter().map(|c| faces.index(cells.coordinates(c.cell as usize)));
-        let mut all: Vec<u32> = lower.flat_map(|f| [f as u32, (f + faces.stride[axis]) as u32]).collect();
-        all.sort_unstable();
-        all.dedup();
-        all
-    }
-
     /// Recomputes the cut cells for the current position of the solids, in active tiles. Elsewhere all faces are open.
     /// Overlapping solids are merged.
     pub fn rebuild(&mut self, solids: &[EmbeddedBoundary<'_, D>], tiles: &Tiles<D>) {

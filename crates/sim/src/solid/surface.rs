@@ -47,7 +47,7 @@ pub fn distribute_to_vertices<const D: usize>(
 pub struct SolidSurface<const D: usize> {
     /// The surface, m.
     pub mesh: SurfaceMesh<D>,
-    /// The part that contacts use.
+    /// The surface that touches other solids.
     pub collision: Arc<CollisionSurface<D>>,
     /// Index in the volume mesh of each vertex of the surface.
     volume_vertices: Vec<u32>,

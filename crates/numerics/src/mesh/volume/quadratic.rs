@@ -19,6 +19,9 @@ use std::collections::BTreeMap;
 
 /// Nodes of a quadratic simplex in 3D.
 const MAX_NODES: usize = 10;
+/// Corners of each facet in 3D, and the nodes on its edges, in the order of [`QuadraticSimplex::nodes`].
+const FACET_NODES: [[[usize; 3]; 2]; 4] =
+    [[[0, 1, 2], [4, 5, 7]], [[0, 1, 3], [4, 6, 8]], [[0, 2, 3], [5, 6, 9]], [[1, 2, 3], [7, 8, 9]]];
 /// Largest displacement of an edge node, over the length of the edge. A displacement by this much along a straight edge makes the map
 /// singular; across the edge it gives an arc of 106 degrees.
 pub(super) const MAX_NODE_DISPLACEMENT_EDGES: f64 = 0.25;
@@ -149,15 +152,12 @@ impl<const D: usize> VolumeMesh<D> {
     pub fn quadratic_facets(&self) -> BTreeMap<[u32; 3], QuadraticFacet> {
         let parents = if D == 3 { self.quadratic_simplices().unwrap_or_default() } else { Vec::new() };
         let of = |parent: &QuadraticSimplex<D>| {
-            let edge = |i: usize, j: usize| edge_pairs::<D>().position(|e| e == (i.min(j), i.max(j)));
-            let middle = |i: usize, j: usize| parent.nodes[D + 1 + edge(i, j).unwrap_or(0)];
-            let facet = |[i, j, k]: [usize; 3]| {
-                let edges = [middle(j, k), middle(k, i), middle(i, j)];
+            FACET_NODES.map(|[corners, edges]| {
+                let [corners, edges] = [corners, edges].map(|nodes| nodes.map(|k| parent.nodes[k]));
                 let mut key = edges;
                 key.sort_unstable();
-                (key, QuadraticFacet { corners: [i, j, k].map(|c| parent.nodes[c]), edges })
-            };
-            [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]].map(facet)
+                (key, QuadraticFacet { corners, edges })
+            })
         };
         parents.iter().flat_map(of).collect()
     }

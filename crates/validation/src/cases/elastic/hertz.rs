@@ -44,8 +44,6 @@ const STIFFNESS: f64 = YOUNG / (1.0 - POISSON * POISSON);
 const STEP: f64 = 1e-2;
 /// Time for the plates to close, and for the ball to come to rest.
 const PHASE_DURATIONS: [f64; 2] = [0.4, 0.4];
-/// Radius within which the pressure in the middle is measured, over the half-width.
-const MIDDLE_FRACTION: f64 = 0.8;
 /// Exponent of the refinement of the mesh towards the contacts.
 const GRADING_EXPONENT: f64 = 1.7;
 
@@ -140,9 +138,9 @@ fn hertz_flattening_ratio<const D: usize>(wide: f64) -> f64 {
 /// The contact pressure at rest, from the forces of the plates on the nodes: the negative of the elastic forces. Nodes within the solid
 /// have none.
 ///
-/// The forces are a pressure in the weak form, `Σ f_v ψ(x_v) = ∫ p ψ dA` for a smooth `ψ`, so the pressure in the middle is that of
-/// Hertz's distribution with the same integral under `ψ = (1 − r²/b²)²`, `b = 0.8 a`. The flattening is conjugate to the force by the
-/// work of the plates.
+/// The forces are a pressure in the weak form, `Σ f_v ψ(x_v) = ∫ p ψ dA` for a smooth `ψ`. The pressure in the middle is therefore that of
+/// the distribution `p √(1 − r²/a²)` with the same integral under `ψ = (1 − r²/a²)²`: `5π/16 a p` in 2D, `2π/7 a² p` in 3D. The flattening
+/// is conjugate to the force by the work of the plates.
 fn measure_contact<const D: usize>(simulation: &Simulation<D>) -> Option<PressureMeasure> {
     let elastic = simulation.model.solids[0].elastic()?;
     let now = vertices(simulation, 0);
@@ -155,27 +153,15 @@ fn measure_contact<const D: usize>(simulation: &Simulation<D>) -> Option<Pressur
     let force = sum(1.0, &|_| 1.0);
     // The mean of x² over the pressure is a²/4 in 2D, that of r² 2a²/5 in 3D.
     let half_width = (sum(1.0, &across) / force * if D == 2 { 4.0 } else { 2.5 }).sqrt();
-    let width = MIDDLE_FRACTION * half_width;
-    let test = |r: f64| (1.0 - (r / width).powi(2)).max(0.0).powi(2);
-    let push = sum(1.0, &|v| test(across(v).sqrt()));
+    let test = |v: usize| (1.0 - across(v) / half_width.powi(2)).max(0.0).powi(2);
+    let integral = if D == 2 { 5.0 / 16.0 * half_width } else { 2.0 / 7.0 * half_width * half_width };
     let height = |side: f64| sum(side, &|v| now[v][D - 1] * side) / sum(side, &|_| 1.0);
     Some(PressureMeasure {
         force,
         half_width,
-        peak_pressure: push / hertz_integral::<D>(half_width, width, test),
+        peak_pressure: sum(1.0, &test) / (PI * integral),
         flattening: RADIUS - 0.5 * (height(1.0) + height(-1.0)),
     })
-}
-
-/// `∫ √(1 − r²/a²) ψ(r) dA` for `r < width`, m² (2D: m), by the midpoint rule.
-fn hertz_integral<const D: usize>(half_width: f64, width: f64, test: impl Fn(f64) -> f64) -> f64 {
-    const POINTS: usize = 1000;
-    let part = |k: usize| {
-        let r = (k as f64 + 0.5) / POINTS as f64 * width;
-        let measure = if D == 2 { 2.0 } else { 2.0 * PI * r };
-        (1.0 - (r / half_width).powi(2)).sqrt() * test(r) * measure * width / POINTS as f64
-    };
-    (0..POINTS).map(part).sum()
 }
 
 /// Flattening of a ball at the poles over that of a half-space, `a²/R`, under Hertz's pressures on caps of radius `a` (over the ball's)
