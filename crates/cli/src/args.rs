@@ -348,6 +348,12 @@ pub struct BenchArgs {
     /// Small and short, to see that it works.
     #[arg(long)]
     pub quick: bool,
+    /// With step: time this scene alone: drop, body, crown-splash or drop-large of the benchmark, else one of `meniscus scenes` or a file.
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Vec<String>,
+    /// With step: number of timed steps of each scene [default: 8, with --quick 3].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub steps: Option<u32>,
     /// Threads; as many as the machine has without it.
     #[arg(long, value_name = "N", env = "MENISCUS_THREADS")]
     pub threads: Option<u16>,

@@ -24,6 +24,10 @@ pub fn bench(args: &BenchArgs) -> Result {
         let help = "use `meniscus bench table1 --markdown`";
         return Err(Failure::new(USAGE, "--markdown prints the table of `table1` alone").help(help));
     }
+    let times_steps = args.names.is_empty() || args.names.iter().any(|name| name == "step");
+    if !times_steps && (!args.scene.is_empty() || args.steps.is_some()) {
+        return Err(Failure::new(USAGE, "--scene and --steps belong to `meniscus bench step`"));
+    }
     with_threads(args.threads.map(usize::from), || measure(args))
 }
 
@@ -36,7 +40,7 @@ fn measure(args: &BenchArgs) -> Result {
         results["pressure"] = pressure(args.quick)?;
     }
     if wanted("step") {
-        results["step"] = steps(args.quick)?;
+        results["step"] = steps(args)?;
     }
     // It takes long, so it runs only on request.
     if args.names.iter().any(|n| n == "table1") {
@@ -79,28 +83,43 @@ fn pressure_row(r: &PressureBench) -> String {
     )
 }
 
-fn steps(quick: bool) -> Result<Value> {
-    let n = if quick { 32 } else { 192 };
-    let crown = LoadOptions { sets: vec![format!("domain.resolution={n}")], ..LoadOptions::default() };
-    let crown = builtin::open("crown-splash", &crown)?;
-    let scenes = [
-        (format!("drop in {n}^3"), drop_scene(n, 1)?),
-        (format!("drop on a free body in {n}^3"), body_scene(n)?),
-        (format!("crown-splash {n}^3"), crown),
-        (format!("drop in {}^3", 2 * n), drop_scene(n, 2)?),
-    ];
-    let count = if quick { 3 } else { 8 };
+/// The scenes of `bench step`.
+const STEP_SCENES: [&str; 4] = ["drop", "body", "crown-splash", "drop-large"];
+
+fn steps(args: &BenchArgs) -> Result<Value> {
+    let named = args.scene.iter().map(String::as_str);
+    let names: Vec<&str> = if args.scene.is_empty() { STEP_SCENES.to_vec() } else { named.collect() };
+    let count = args.steps.map_or(if args.quick { 3 } else { 8 }, |n| n as usize);
     let mut rows = Vec::new();
-    for (name, scene) in scenes {
+    for name in names {
+        let (name, scene) = step_scene(name, if args.quick { 32 } else { 192 })?;
         if let Err(error) = memory::check_liquid_memory(&scene, memory::machine_memory()) {
             eprintln!("{name}: skipped: {error}");
             continue;
         }
-        let row = step(name, &scene, count)?;
+        let row = match scene.domain.dimension {
+            2 => step::<2>(name, &scene, count)?,
+            _ => step::<3>(name, &scene, count)?,
+        };
         print(&step_rows(&row))?;
         rows.push(row);
     }
     Ok(json!(rows))
+}
+
+/// A scene of `bench step` with `n` cells along each side, or any other scene as it is, with the title of its rows.
+fn step_scene(name: &str, n: usize) -> Result<(String, Scene)> {
+    Ok(match name {
+        "drop" => (format!("drop in {n}^3"), drop_scene(n, 1)?),
+        "body" => (format!("drop on a free body in {n}^3"), body_scene(n)?),
+        "crown-splash" => {
+            let resolution = vec![format!("domain.resolution={n}")];
+            let options = LoadOptions { sets: resolution, ..LoadOptions::default() };
+            (format!("crown-splash {n}^3"), builtin::open(name, &options)?)
+        }
+        "drop-large" => (format!("drop in {}^3", 2 * n), drop_scene(n, 2)?),
+        other => (other.to_string(), builtin::open(other, &LoadOptions::default())?),
+    })
 }
 
 /// An oscillating drop of radius 0.3 n cells in the middle of a box of `factor` n cells: 0.8 million cells for n = 192.

@@ -35,9 +35,9 @@ pub struct StepBench {
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Times `count` steps of a 3D scene.
-pub fn step(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
-    let mut simulation = build::setup::<3>(scene)?.simulation();
+/// Times `count` steps of a scene.
+pub fn step<const D: usize>(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
+    let mut simulation = build::setup::<D>(scene)?.simulation();
     let mut phases: Vec<(String, f64)> = Vec::new();
     let (mut seconds, mut iterations, mut time) = (0.0, 0, 0.0);
     for i in 0..WARM_UP_STEPS + count {

@@ -13,7 +13,7 @@ mod velocity_extension;
 pub use band::Band;
 pub use cut_cells::{CutCell, CutCells, EmbeddedBoundary, lattice_points, par_lattice_points};
 pub use field::{CellField, FaceField};
-pub use interpolate::{BoundaryExtension, Sampler};
+pub use interpolate::{BoundaryExtension, Sampler, VelocitySampler};
 pub use runs::{Run, Runs, Segment};
 pub use tiles::{TILE_CELLS, Tiles};
 pub use velocity_extension::VelocityExtension;

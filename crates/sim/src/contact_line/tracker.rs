@@ -13,13 +13,12 @@
 
 use super::angle::{Foot, contact_angle};
 use crate::contact_line::sampling::{MAX_LINE_PHI_CELLS, UPPER_SAMPLE_HEIGHT_CELLS, phi_at_solid};
-use crate::flow::advection::VelocitySampler;
 use crate::model::Model;
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::simulation::Simulation;
 use crate::solid::Solids;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::Sampler;
+use meniscus_numerics::grid::{Sampler, VelocitySampler};
 use meniscus_numerics::mesh::{Contour, Geodesic, ShapeSurface, SurfaceMesh};
 use rayon::prelude::*;
 
@@ -134,7 +133,7 @@ impl<'a, const D: usize> LineSampler<'a, D> {
         Self {
             solids: simulation.solids(),
             phi: Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary()),
-            velocity: VelocitySampler::new(model, &state.velocity),
+            velocity: model.velocity_sampler(&state.velocity),
             dx: model.grid.dx,
         }
     }

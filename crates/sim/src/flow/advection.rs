@@ -5,30 +5,6 @@ use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Sampler, Seg
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
-/// Interpolates a velocity field component by component.
-pub struct VelocitySampler<'a, const D: usize> {
-    axes: [Sampler<'a, D>; D],
-}
-
-impl<'a, const D: usize> VelocitySampler<'a, D> {
-    /// The sampler of a velocity field.
-    pub fn new(model: &Model<D>, velocity: &'a FaceField<D>) -> Self {
-        let axes = std::array::from_fn(|a| {
-            Sampler::faces(&model.grid, a, &velocity.axes[a], model.velocity_boundary(a))
-        });
-        Self { axes }
-    }
-
-    fn cubic(&self, x: &Vector<D>) -> Vector<D> {
-        Vector::from_fn(|a, _| self.axes[a].cubic(x))
-    }
-
-    /// The velocity at a point, interpolated linearly.
-    pub fn linear(&self, x: &Vector<D>) -> Vector<D> {
-        Vector::from_fn(|a, _| self.axes[a].linear(x))
-    }
-}
-
 /// Departure point of the path that arrives at `x` after `dt` (Ralston's third-order method).
 fn departure_point<const D: usize>(
     x: &Vector<D>,
@@ -71,7 +47,7 @@ pub fn advect_interface<const D: usize>(
     let beside_solid = 0.0..STENCIL_REACH_CELLS;
     let grid = &model.grid;
     let lattice = grid.lattice();
-    let flow = VelocitySampler::new(model, velocity);
+    let flow = model.velocity_sampler(velocity);
     let distance = Sampler::cells(grid, &phi.data, model.scalar_boundary());
     let first = band.first_layers(1).end;
     band.cells
@@ -169,7 +145,7 @@ pub fn advect_velocity<const D: usize>(
     cut: &CutCells<D>,
     dt: f64,
 ) -> [Vec<f64>; D] {
-    let flow = VelocitySampler::new(model, velocity);
+    let flow = model.velocity_sampler(velocity);
     let [before, after] = phi.map(|phi| Sampler::cells(&model.grid, &phi.data, model.scalar_boundary()));
     let depths = Depths { before, after, cut };
     std::array::from_fn(|axis| {
@@ -186,7 +162,7 @@ pub fn advect_velocity<const D: usize>(
                 }
                 let x = model.grid.face_center(axis, at);
                 let departure = departure_point(&x, dt, |x| flow.linear(x));
-                *value = flow.axes[axis].cubic(&depths.corrected(departure, &x, at));
+                *value = flow.component(axis).cubic(&depths.corrected(departure, &x, at));
             }
         });
         values

@@ -14,14 +14,13 @@
 //! A line with friction `ζ` that moves at the speed `U` has the angle `cos θ = cos θ_Y − ζ U/γ`: with Young's angle the
 //! continuation would carry the line past the liquid that friction holds back. A pinned line keeps its angle.
 
-use crate::flow::advection::VelocitySampler;
 use crate::model::Model;
 use crate::model::resolution::{BAND_WIDTH_CELLS, GRADIENT_NORM_TOLERANCE};
 use crate::model::time_step::MAX_DT_GROWTH;
 use crate::solid::{SolidKind, SolidSurfaces, Solids};
 use crate::state::State;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, CutCells, Sampler, lattice_points};
+use meniscus_numerics::grid::{Band, CutCells, Sampler, VelocitySampler, lattice_points};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -81,7 +80,7 @@ pub fn ghost_cells<const D: usize>(
     let surface = InterfaceSampler {
         solids,
         phi: Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary()),
-        velocity: VelocitySampler::new(model, &state.velocity),
+        velocity: model.velocity_sampler(&state.velocity),
         max_next_dt: state.last_dt * MAX_DT_GROWTH,
     };
     let within = |c: &u32| cut.distance_cells(*c as usize) < 0.0;

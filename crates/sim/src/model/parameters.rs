@@ -3,7 +3,7 @@
 use crate::solid::{Solid, SolidState};
 use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{BoundaryExtension, Grid};
+use meniscus_numerics::grid::{BoundaryExtension, FaceField, Grid, VelocitySampler};
 
 /// Bond number of a cell, `ρ g Δ²/γ` in 1/cells², above which the grid does not resolve the capillary length (three cells).
 /// Beyond it the balanced weight falls off, because the curvature filter would take it for noise.
@@ -114,6 +114,11 @@ impl<const D: usize> Model<D> {
         edges[axis] = self.walls[axis]
             .map(|w| if w == Wall::Slip { BoundaryExtension::Odd } else { BoundaryExtension::Clamp });
         edges
+    }
+
+    /// Samples a velocity with the boundary extensions of the domain's sides.
+    pub fn velocity_sampler<'a>(&self, velocity: &'a FaceField<D>) -> VelocitySampler<'a, D> {
+        VelocitySampler::new(&self.grid, velocity, |axis| self.velocity_boundary(axis))
     }
 
     /// Whether face `i` along `axis`, normal to it, lies on an impermeable side.

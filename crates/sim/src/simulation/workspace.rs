@@ -2,7 +2,6 @@
 
 use crate::collision::points::CollisionPoints;
 use crate::components::volume::VolumeCorrection;
-use crate::flow::advection::VelocitySampler;
 use crate::flow::pressure::PressureFields;
 use crate::free_surface::energy::DualGrid;
 use crate::model::Model;
@@ -358,7 +357,7 @@ fn impose_slip_velocity<const D: usize>(
     surfaces: &SolidSurfaces<D>,
     shut: &[Vec<u32>; D],
 ) -> u64 {
-    let flow = VelocitySampler::new(model, &state.velocity);
+    let flow = model.velocity_sampler(&state.velocity);
     let solids = Solids { model, states: &state.solids, surfaces };
     let new: [Vec<Option<f64>>; D] = std::array::from_fn(|a| {
         let lattice = model.grid.face_lattice(a);

@@ -4,11 +4,14 @@
 //! is clamped to the range of the stencil's values, so that repeated sampling creates no new extrema.
 
 mod stencil;
+mod velocity;
 mod weights;
+
+pub use velocity::VelocitySampler;
 
 use super::{Grid, Lattice};
 use crate::Vector;
-use stencil::{Stencil, contract, contract_with_gradient, dot, transposed};
+use stencil::{Stencil, Window, contract, contract_with_gradient, contract_within_range, dot, transposed};
 use weights::{
     MAX_SMOOTH_THIRD_DIFFERENCE_CELLS, cubic_weight_derivatives, cubic_weights, eno_cubic_weights,
     kink_indicator, max_third_difference, quintic_weights,
@@ -65,67 +68,82 @@ impl<'a, const D: usize> Sampler<'a, D> {
     /// Multilinear interpolation at `x` (m).
     pub fn linear(&self, x: &Vector<D>) -> f64 {
         let (base, t) = self.locate(x);
-        let mut sum = 0.0;
-        if (0..D).all(|a| base[a] >= 0 && base[a] + 1 < self.lattice.extent[a] as isize) {
-            let origin = self.lattice.index(std::array::from_fn(|a| base[a] as usize));
-            for row in 0..1usize << (D - 1) {
-                let mut at = origin;
-                let mut weight = 1.0;
-                for a in 1..D {
-                    let up = row >> (a - 1) & 1;
-                    at += up * self.lattice.stride[a];
-                    weight *= if up == 1 { t[a] } else { 1.0 - t[a] };
-                }
-                sum += weight * (self.data[at] + t[0] * (self.data[at + 1] - self.data[at]));
-            }
-        } else {
-            for corner in 0..1usize << D {
-                let mut weight = 1.0;
-                let mut at = base;
-                for a in 0..D {
-                    let up = corner >> a & 1;
-                    at[a] += up as isize;
-                    weight *= if up == 1 { t[a] } else { 1.0 - t[a] };
-                }
-                sum += weight * self.value(at);
-            }
-        }
-        sum
+        self.linear_at(base, &t)
     }
 
     /// Limited cubic interpolation at `x` (m).
     pub fn cubic(&self, x: &Vector<D>) -> f64 {
         let (base, t) = self.locate(x);
-        let stencil = self.stencil(base);
-        let rows = &stencil[..1 << (2 * (D - 1))];
-        let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
-        for row in rows {
-            for i in 0..4 {
-                low[i] = low[i].min(row[i]);
-                high[i] = high[i].max(row[i]);
+        self.cubic_at(base, &t.map(cubic_weights))
+    }
+
+    /// Multilinear interpolation in a cell of the lattice.
+    #[inline(always)]
+    fn linear_at(&self, base: [isize; D], t: &[f64; D]) -> f64 {
+        let gathered;
+        let window = match self.window::<2, 2>(base) {
+            Some(window) => window,
+            None => {
+                gathered = self.mirrored_rows::<2, 2, 4>(base);
+                Window::of_rows::<2, 2>(&gathered)
             }
+        };
+        let mut sum = 0.0;
+        for row in 0..1usize << (D - 1) {
+            let mut weight = 1.0;
+            for a in 1..D {
+                weight *= if row >> (a - 1) & 1 == 1 { t[a] } else { 1.0 - t[a] };
+            }
+            let [low, high] = *window.row::<2>(row & 1, row >> 1);
+            sum += weight * (low + t[0] * (high - low));
         }
-        let weights: [[f64; 4]; D] = std::array::from_fn(|a| cubic_weights(t[a]));
-        let low = low[0].min(low[1]).min(low[2].min(low[3]));
-        let high = high[0].max(high[1]).max(high[2].max(high[3]));
-        contract::<D>(rows, &weights).clamp(low, high)
+        sum
+    }
+
+    /// Limited cubic interpolation in a cell of the lattice.
+    #[inline(always)]
+    fn cubic_at(&self, base: [isize; D], weights: &[[f64; 4]; D]) -> f64 {
+        let gathered;
+        let window = match self.window::<4, 4>(base) {
+            Some(window) => window,
+            None => {
+                gathered = self.mirrored_rows::<4, 4, 16>(base);
+                Window::of_rows::<4, 4>(&gathered)
+            }
+        };
+        contract_within_range::<D>(&window, weights)
     }
 
     /// Cubic interpolation (not limited) at `x` (m): the value and its gradient (per m).
     pub fn cubic_with_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
-        self.cubic_in(&self.stencil(base), &t)
+        let rows = self.stencil(base);
+        let weights: [[f64; 4]; D] = std::array::from_fn(|a| cubic_weights(t[a]));
+        let slopes = std::array::from_fn(|a| cubic_weight_derivatives(t[a]));
+        let window = Window::of_rows::<4, 4>(&rows);
+        let (value, slopes) = contract_with_gradient::<4, 4, D>(&window, &weights, &slopes);
+        (value, slopes * self.inverse_dx)
     }
 
     /// Value and gradient (per m) of a signed distance at `x` (m): quintic where it is smooth, one-sided cubic at its
     /// kinks. A cubic across a kink overshoots, which thickens filaments.
     pub fn distance_with_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
-        let stencil = self.stencil(base);
-        if max_third_difference::<D>(&stencil) * self.inverse_dx < MAX_SMOOTH_THIRD_DIFFERENCE_CELLS {
-            self.quintic_in(base, &t)
+        let gathered;
+        let window = match self.window::<6, 8>(base) {
+            Some(window) => window,
+            None => {
+                gathered = self.mirrored_rows::<6, 8, 36>(base);
+                Window::of_rows::<6, 8>(&gathered)
+            }
+        };
+        let middle = window.middle::<D>();
+        if max_third_difference::<D>(&middle) * self.inverse_dx < MAX_SMOOTH_THIRD_DIFFERENCE_CELLS {
+            let (weights, slopes) = quintic_weights(&t);
+            let (value, slopes) = contract_with_gradient::<6, 8, D>(&window, &weights, &slopes);
+            (value, slopes * self.inverse_dx)
         } else {
-            self.eno_cubic_in(stencil, &t)
+            self.eno_cubic_in(middle, &t)
         }
     }
 
@@ -149,25 +167,6 @@ impl<'a, const D: usize> Sampler<'a, D> {
             }
         }
         self.distance_with_gradient(x).0
-    }
-
-    /// Quintic interpolation: value and gradient.
-    fn quintic_in(&self, base: [isize; D], t: &[f64; D]) -> (f64, Vector<D>) {
-        let rows = self.rows::<6, 8, 36>(base);
-        let (weights, slopes) = quintic_weights(t);
-        let (value, slopes) = contract_with_gradient::<6, 8, D>(&rows, &weights, &slopes);
-        (value, slopes * self.inverse_dx)
-    }
-
-    /// Cubic interpolation: value and gradient.
-    fn cubic_in(&self, stencil: &Stencil, t: &[f64; D]) -> (f64, Vector<D>) {
-        let weights: [[f64; 4]; D] = std::array::from_fn(|a| cubic_weights(t[a]));
-        let (value, slopes) = contract_with_gradient::<4, 4, D>(
-            stencil,
-            &weights,
-            &std::array::from_fn(|a| cubic_weight_derivatives(t[a])),
-        );
-        (value, slopes * self.inverse_dx)
     }
 
     /// ENO cubic interpolation of a function with kinks: value and gradient.
@@ -209,67 +208,76 @@ impl<'a, const D: usize> Sampler<'a, D> {
     }
 
     /// The lattice cell that contains `x`, and the coordinates of `x` in it.
+    #[inline(always)]
     fn locate(&self, x: &Vector<D>) -> ([isize; D], [f64; D]) {
         let mut base = [0; D];
         let mut t = [0.0; D];
         for a in 0..D {
-            // Clamp to two cells beyond the edge: there is no data farther out.
-            let s = x[a] * self.inverse_dx + (self.margin_cells[a] - self.stagger_cells[a]);
-            let s = s.clamp(-2.0, self.lattice.extent[a] as f64 + 1.0);
-            let floor = s.floor();
-            base[a] = floor as isize;
-            t[a] = s - floor;
+            (base[a], t[a]) = self.locate_along(a, x[a]);
         }
         (base, t)
     }
 
-    fn stencil(&self, base: [isize; D]) -> Stencil {
-        self.rows::<4, 4, 16>(base)
+    /// The same along an axis.
+    #[inline(always)]
+    fn locate_along(&self, a: usize, x: f64) -> (isize, f64) {
+        // Clamp to two cells beyond the edge: there is no data farther out.
+        let s = x * self.inverse_dx + (self.margin_cells[a] - self.stagger_cells[a]);
+        let s = s.clamp(-2.0, self.lattice.extent[a] as f64 + 1.0);
+        let floor = s.floor();
+        (floor as isize, s - floor)
     }
 
-    /// The values around a point, `N` along each axis, in rows of `L` lanes of which the first `N` count; `R` is `N²`.
-    fn rows<const N: usize, const L: usize, const R: usize>(&self, base: [isize; D]) -> [[f64; L]; R] {
+    /// The values of the 4 points along each axis around a point.
+    fn stencil(&self, base: [isize; D]) -> Stencil {
+        match self.window::<4, 4>(base) {
+            Some(window) => window.stencil::<D>(),
+            None => self.mirrored_rows::<4, 4, 16>(base),
+        }
+    }
+
+    /// The values around a point, `N` along each axis, in rows of `L` lanes of which the first `N` count; `None` where they are not all
+    /// within the data.
+    #[inline(always)]
+    fn window<const N: usize, const L: usize>(&self, base: [isize; D]) -> Option<Window<'a>> {
+        let lattice = &self.lattice;
+        let (mut origin, mut reach) = (0, L);
+        for a in 0..D {
+            let first = base[a] - (N as isize / 2 - 1);
+            if first < 0 || first as usize + N > lattice.extent[a] {
+                return None;
+            }
+            origin += first as usize * lattice.stride[a];
+            reach += if a > 0 { (N - 1) * lattice.stride[a] } else { 0 };
+        }
+        let strides = [lattice.stride[1], if D == 3 { lattice.stride[2] } else { 0 }];
+        self.data.get(origin..origin + reach).map(|values| Window { values, strides })
+    }
+
+    /// The values around a point, `N` along each axis, in rows of `L` lanes of which the first `N` count; beyond the edges of the lattice they
+    /// are extended. `R` is `N²`.
+    #[cold]
+    #[inline(never)]
+    fn mirrored_rows<const N: usize, const L: usize, const R: usize>(
+        &self,
+        base: [isize; D],
+    ) -> [[f64; L]; R] {
         let mut rows = [[0.0; L]; R];
         let first = base.map(|b| b - (N as isize / 2 - 1));
-        let inside =
-            (0..D).all(|a| first[a] >= 0 && first[a] + N as isize <= self.lattice.extent[a] as isize);
-        if inside {
-            let origin = self.lattice.index(first.map(|i| i as usize));
-            let lanes = if origin + self.reach::<N>() + L <= self.data.len() { L } else { N };
-            for plane in 0..N.pow(D as u32 - 2) {
-                for line in 0..N {
-                    let across = line * self.lattice.stride[1];
-                    let up = if D == 3 { plane * self.lattice.stride[2] } else { 0 };
-                    let at = origin + across + up;
-                    let row = &mut rows[plane * N + line];
-                    if lanes == L {
-                        row.copy_from_slice(&self.data[at..at + L]);
-                    } else {
-                        row[..N].copy_from_slice(&self.data[at..at + N]);
-                    }
-                }
+        let axes: [[(usize, f64); N]; D] =
+            std::array::from_fn(|a| std::array::from_fn(|k| self.mirrored(a, first[a] + k as isize)));
+        for (row, values) in rows.iter_mut().enumerate().take(N.pow(D as u32 - 1)) {
+            let (mut at, mut sign) = (0, 1.0);
+            for a in 1..D {
+                let (index, factor) = axes[a][row / N.pow(a as u32 - 1) % N];
+                at += index * self.lattice.stride[a];
+                sign *= factor;
             }
-        } else {
-            let axes: [[(usize, f64); N]; D] =
-                std::array::from_fn(|a| std::array::from_fn(|k| self.mirrored(a, first[a] + k as isize)));
-            for (row, values) in rows.iter_mut().enumerate().take(N.pow(D as u32 - 1)) {
-                let (mut at, mut sign) = (0, 1.0);
-                for a in 1..D {
-                    let (index, factor) = axes[a][row / N.pow(a as u32 - 1) % N];
-                    at += index * self.lattice.stride[a];
-                    sign *= factor;
-                }
-                for (value, (index, factor)) in values.iter_mut().zip(axes[0]) {
-                    *value = sign * factor * self.data[at + index];
-                }
+            for (value, (index, factor)) in values.iter_mut().zip(axes[0]) {
+                *value = sign * factor * self.data[at + index];
             }
         }
         rows
-    }
-
-    /// Distance in the data from the first to the last row of a stencil of `N` points along each axis.
-    fn reach<const N: usize>(&self) -> usize {
-        (1..D).map(|a| (N - 1) * self.lattice.stride[a]).sum()
     }
 
     /// The value at a lattice point that may lie beyond the edges.
@@ -303,7 +311,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
 /// Multilinear interpolation between the middle points of a stencil.
 fn multilinear<const D: usize>(stencil: &Stencil, t: &[f64; D]) -> f64 {
     let weights: [[f64; 4]; D] = std::array::from_fn(|a| [0.0, 1.0 - t[a], t[a], 0.0]);
-    contract::<D>(&stencil[..1 << (2 * (D - 1))], &weights)
+    contract::<D>(&Window::of_rows::<4, 4>(stencil), &weights)
 }
 
 #[cfg(test)]

@@ -5,6 +5,42 @@ use crate::Vector;
 /// The values around a point, four along each axis, the first axis varying fastest.
 pub(super) type Stencil = [[f64; 4]; 16];
 
+/// The values around a point, in rows along the first axis.
+#[derive(Clone, Copy)]
+pub(super) struct Window<'w> {
+    /// From the first value to the last.
+    pub(super) values: &'w [f64],
+    /// Distances between the rows along the second and the third axis.
+    pub(super) strides: [usize; 2],
+}
+
+impl<'w> Window<'w> {
+    /// The window of `N` rows of `L` values along each axis, packed.
+    pub(super) fn of_rows<const N: usize, const L: usize>(rows: &'w [[f64; L]]) -> Self {
+        Self { values: rows.as_flattened(), strides: [L, N * L] }
+    }
+
+    /// The first `L` values of a row.
+    #[inline(always)]
+    pub(super) fn row<const L: usize>(&self, line: usize, plane: usize) -> &'w [f64; L] {
+        let start = line * self.strides[0] + plane * self.strides[1];
+        self.values[start..].first_chunk().unwrap_or(const { &[0.0; L] })
+    }
+
+    /// The 4 middle points along each axis of a window of 6.
+    #[inline(always)]
+    pub(super) fn middle<const D: usize>(&self) -> Stencil {
+        let first = 1 + self.strides[..D - 1].iter().sum::<usize>();
+        Window { values: &self.values[first..], strides: self.strides }.stencil::<D>()
+    }
+
+    /// A copy of the first 4 points along each axis.
+    #[inline(always)]
+    pub(super) fn stencil<const D: usize>(&self) -> Stencil {
+        std::array::from_fn(|row| if D == 3 || row < 4 { *self.row(row & 3, row >> 2) } else { [0.0; 4] })
+    }
+}
+
 /// Four rows of four values, one lane each.
 pub(super) fn transposed(rows: &[[f64; 4]]) -> [[f64; 4]; 4] {
     std::array::from_fn(|point| std::array::from_fn(|lane| rows[lane][point]))
@@ -21,17 +57,17 @@ pub(super) fn dot<const L: usize>(weights: &[[f64; L]; 4], values: &[[f64; L]; 4
 /// Sum of a stencil with product weights, and its gradient: the weights of each axis in turn are replaced by `slopes`. `N` points along each
 /// axis, in rows of `L` lanes.
 pub(super) fn contract_with_gradient<const N: usize, const L: usize, const D: usize>(
-    rows: &[[f64; L]],
+    window: &Window<'_>,
     weights: &[[f64; N]; D],
     slopes: &[[f64; N]; D],
 ) -> (f64, Vector<D>) {
     let mut value = [0.0; L];
     let mut across = [[0.0; L]; D];
     // The rows at one position along the last axis are summed first.
-    let plane = N.pow(D as u32 - 2);
-    for (k, rows) in rows.chunks_exact(plane).take(N).enumerate() {
+    for k in 0..N {
         let (mut sum, mut turned) = ([0.0; L], [0.0; L]);
-        for (j, row) in rows.iter().enumerate() {
+        for j in 0..N.pow(D as u32 - 2) {
+            let row = if D == 3 { window.row::<L>(j, k) } else { window.row::<L>(k, 0) };
             let (weight, slope) = if D == 3 { (weights[1][j], slopes[1][j]) } else { (1.0, 0.0) };
             for i in 0..L {
                 sum[i] += weight * row[i];
@@ -52,18 +88,44 @@ pub(super) fn contract_with_gradient<const N: usize, const L: usize, const D: us
     (along(&weights[0], &value), Vector::from_fn(|a, _| slope(a)))
 }
 
-/// Sum of the stencil with product weights.
-pub(super) fn contract<const D: usize>(rows: &[[f64; 4]], weights: &[[f64; 4]; D]) -> f64 {
+/// Product of the weights along the axes across a row of four points.
+#[inline(always)]
+fn row_weight<const D: usize>(row: usize, weights: &[[f64; 4]; D]) -> f64 {
+    (1..D).fold(1.0, |weight, a| weight * weights[a][row >> (2 * (a - 1)) & 3])
+}
+
+/// Sum of four weights with four values.
+#[inline(always)]
+fn weighted_sum(w: &[f64; 4], sums: &[f64; 4]) -> f64 {
+    (sums[0] * w[0] + sums[1] * w[1]) + (sums[2] * w[2] + sums[3] * w[3])
+}
+
+/// Sum of 4 points along each axis with product weights.
+pub(super) fn contract<const D: usize>(window: &Window<'_>, weights: &[[f64; 4]; D]) -> f64 {
     let mut sums = [0.0; 4];
-    for (row, values) in rows.iter().enumerate() {
-        let mut weight = 1.0;
-        for a in 1..D {
-            weight *= weights[a][row >> (2 * (a - 1)) & 3];
-        }
+    for row in 0..1usize << (2 * (D - 1)) {
+        let (weight, values) = (row_weight(row, weights), window.row::<4>(row & 3, row >> 2));
         for i in 0..4 {
             sums[i] += weight * values[i];
         }
     }
-    let w = &weights[0];
-    (sums[0] * w[0] + sums[1] * w[1]) + (sums[2] * w[2] + sums[3] * w[3])
+    weighted_sum(&weights[0], &sums)
+}
+
+/// Sum of 4 points along each axis with product weights, clamped to the range of the values.
+#[inline(always)]
+pub(super) fn contract_within_range<const D: usize>(window: &Window<'_>, weights: &[[f64; 4]; D]) -> f64 {
+    let (mut low, mut high, mut sums) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4], [0.0; 4]);
+    for row in 0..1usize << (2 * (D - 1)) {
+        let (weight, values) = (row_weight(row, weights), window.row::<4>(row & 3, row >> 2));
+        for i in 0..4 {
+            let value = values[i];
+            low[i] = if value < low[i] { value } else { low[i] };
+            high[i] = if value > high[i] { value } else { high[i] };
+            sums[i] += weight * value;
+        }
+    }
+    let low = low[0].min(low[1]).min(low[2].min(low[3]));
+    let high = high[0].max(high[1]).max(high[2].max(high[3]));
+    weighted_sum(&weights[0], &sums).clamp(low, high)
 }

@@ -1,0 +1,63 @@
+//! Interpolation of a velocity whose components lie on the faces normal to them.
+
+use super::weights::cubic_weights;
+use super::{BoundaryExtension, Sampler};
+use crate::Vector;
+use crate::grid::{FaceField, Grid};
+
+/// Interpolates a velocity field component by component.
+pub struct VelocitySampler<'a, const D: usize> {
+    axes: [Sampler<'a, D>; D],
+}
+
+/// Places of a point along an axis on the lattice of the faces normal to it, and on the lattices of the other components.
+type Places<T> = [T; 2];
+
+impl<'a, const D: usize> VelocitySampler<'a, D> {
+    /// The sampler of a velocity field; `edges` are the boundary extensions of each component.
+    pub fn new(
+        grid: &Grid<D>,
+        velocity: &'a FaceField<D>,
+        edges: impl Fn(usize) -> [[BoundaryExtension; 2]; D],
+    ) -> Self {
+        Self { axes: std::array::from_fn(|a| Sampler::faces(grid, a, &velocity.axes[a], edges(a))) }
+    }
+
+    /// The sampler of the component along an axis.
+    pub fn component(&self, axis: usize) -> &Sampler<'a, D> {
+        &self.axes[axis]
+    }
+
+    /// The velocity at a point, by limited cubic interpolation.
+    #[inline]
+    pub fn cubic(&self, x: &Vector<D>) -> Vector<D> {
+        let (base, t) = self.locate(x);
+        let weights: [Places<[f64; 4]>; D] = t.map(|places| places.map(cubic_weights));
+        Vector::from_fn(|a, _| self.axes[a].cubic_at(of_component(&base, a), &of_component(&weights, a)))
+    }
+
+    /// The velocity at a point, interpolated linearly.
+    #[inline]
+    pub fn linear(&self, x: &Vector<D>) -> Vector<D> {
+        let (base, t) = self.locate(x);
+        Vector::from_fn(|a, _| self.axes[a].linear_at(of_component(&base, a), &of_component(&t, a)))
+    }
+
+    /// For each axis the lattice cells that contain a point, and its coordinates in them.
+    #[inline(always)]
+    fn locate(&self, x: &Vector<D>) -> ([Places<isize>; D], [Places<f64>; D]) {
+        let (mut base, mut t) = ([[0; 2]; D], [[0.0; 2]; D]);
+        for b in 0..D {
+            for (place, component) in [b, (b + 1) % D].into_iter().enumerate() {
+                (base[b][place], t[b][place]) = self.axes[component].locate_along(b, x[b]);
+            }
+        }
+        (base, t)
+    }
+}
+
+/// The places on the lattice of a component.
+#[inline(always)]
+fn of_component<T: Copy, const D: usize>(places: &[Places<T>; D], component: usize) -> [T; D] {
+    std::array::from_fn(|b| places[b][usize::from(b != component)])
+}
