@@ -65,6 +65,7 @@ impl<const D: usize> Lattice<D> {
     }
 
     /// Position in memory of a point.
+    #[inline]
     pub fn index(&self, at: [usize; D]) -> usize {
         let mut index = 0;
         for a in 0..D {
@@ -74,6 +75,7 @@ impl<const D: usize> Lattice<D> {
     }
 
     /// The point at a position in memory.
+    #[inline]
     pub fn coordinates(&self, mut index: usize) -> [usize; D] {
         let mut at = [0; D];
         for a in 0..D {

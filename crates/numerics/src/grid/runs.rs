@@ -51,6 +51,28 @@ impl Runs {
         merge(&lower, &upper.collect::<Vec<_>>())
     }
 
+    /// These cells and those that share a face with them, as sorted segments.
+    pub fn with_neighbours<const D: usize>(&self, grid: &Grid<D>) -> Vec<Segment> {
+        let cells = self.segments();
+        let widened = cells.iter().map(|s| Segment {
+            start: s.start.saturating_sub(1),
+            end: (s.end + 1).min(grid.cells[0]),
+            ..*s
+        });
+        let mut all = merge(&widened.collect::<Vec<_>>(), &[]);
+        let mut below = 1;
+        for a in 1..D {
+            let place = |s: &Segment| s.row / below % grid.cells[a];
+            let lower = cells.iter().filter(|s| place(s) > 0).map(|s| Segment { row: s.row - below, ..*s });
+            all = merge(&all, &lower.collect::<Vec<_>>());
+            let has_upper = |s: &&Segment| place(s) + 1 < grid.cells[a];
+            let upper = cells.iter().filter(has_upper).map(|s| Segment { row: s.row + below, ..*s });
+            all = merge(&all, &upper.collect::<Vec<_>>());
+            below *= grid.cells[a];
+        }
+        all
+    }
+
     /// The cells for which `keep` holds. Their components must be relabelled.
     pub fn filtered<const D: usize>(self, grid: &Grid<D>, keep: impl Fn(usize) -> bool) -> Self {
         let mut runs = Vec::with_capacity(self.runs.len());
@@ -99,4 +121,26 @@ fn merge(a: &[Segment], b: &[Segment]) -> Vec<Segment> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Tiles;
+
+    #[test]
+    fn neighbours_are_the_cells_that_share_a_face() {
+        let grid = Grid::<3>::new([6, 5, 4], 1.0);
+        let lattice = grid.lattice();
+        let inside = [[0, 0, 0], [2, 2, 1], [4, 2, 1], [5, 4, 3]].map(|at| lattice.index(at));
+        let mut phi = vec![1.0; lattice.len()];
+        inside.iter().for_each(|c| phi[*c] = -1.0);
+        let cells = Tiles::all(grid).negative_runs(&phi);
+        let found = cells.with_neighbours(&grid).into_iter().flat_map(|s| s.row * 6 + s.start..s.row * 6 + s.end);
+        let mut all: Vec<usize> =
+            inside.iter().flat_map(|c| lattice.neighbours(*c).chain([*c])).collect();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(found.collect::<Vec<_>>(), all);
+    }
 }

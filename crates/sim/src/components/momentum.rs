@@ -7,8 +7,8 @@
 //! angular momentum includes that of their orbits. A centre is that of the volume within the interface, which
 //! the volume correction keeps on its path; the centres of the faces (one per axis) jitter.
 
-use super::group::ComponentGroup;
-use crate::components::group::RigidMotion;
+use super::group::{ComponentGroup, RigidMotion};
+use super::moments::{Moments, RowSums};
 use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
 use meniscus_numerics::grid::{CellField, FaceField, Segment};
@@ -20,117 +20,27 @@ use std::iter::zip;
 /// the faces is not the velocity.
 const MAX_MASS_RATIO: f64 = 2.0;
 
-/// Moments of a body: sums over its faces, with masses in units of a cell's.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Moments<const D: usize> {
-    /// Σ m per axis.
-    pub mass: [f64; D],
-    /// Σ m u per axis.
-    pub momentum: [f64; D],
-    /// Σ m x per axis of the face and axis of the position.
-    pub first_moment: [[f64; D]; D],
-    /// Σ m x_b x_c per axis of the face.
-    pub second_moment: [[[f64; D]; D]; D],
-    /// Σ m x_b u_a per axis a of the face and axis b of the position.
-    pub moment_of_momentum: [[f64; D]; D],
-    /// Σ m u² per axis of the face.
-    pub energy: [f64; D],
+/// Consecutive faces of a row along the first axis that belong to one component.
+struct Stretch<const D: usize> {
+    component: u32,
+    /// The first face on the lattice of faces, and its position in memory.
+    first: [usize; D],
+    first_face: usize,
+    /// Number of faces.
+    length: usize,
 }
 
-impl<const D: usize> Moments<D> {
-    /// All sums zero.
-    pub fn zero() -> Self {
-        Self {
-            mass: [0.0; D],
-            momentum: [0.0; D],
-            first_moment: [[0.0; D]; D],
-            second_moment: [[[0.0; D]; D]; D],
-            moment_of_momentum: [[0.0; D]; D],
-            energy: [0.0; D],
-        }
+impl<const D: usize> Stretch<D> {
+    /// Positions in memory.
+    fn faces(&self) -> std::ops::Range<usize> {
+        self.first_face..self.first_face + self.length
     }
 
-    fn add_face(&mut self, a: usize, m: f64, x: &Vector<D>, u: f64) {
-        self.mass[a] += m;
-        self.momentum[a] += m * u;
-        self.energy[a] += m * u * u;
-        for b in 0..D {
-            self.first_moment[a][b] += m * x[b];
-            self.moment_of_momentum[a][b] += m * x[b] * u;
-            for c in 0..D {
-                self.second_moment[a][b][c] += m * x[b] * x[c];
-            }
-        }
-    }
-
-    /// Adds `scale` times the moments of another body.
-    pub fn add(&mut self, o: &Self, scale: f64) {
-        for a in 0..D {
-            self.energy[a] += scale * o.energy[a];
-            self.mass[a] += scale * o.mass[a];
-            self.momentum[a] += scale * o.momentum[a];
-            for b in 0..D {
-                self.first_moment[a][b] += scale * o.first_moment[a][b];
-                self.moment_of_momentum[a][b] += scale * o.moment_of_momentum[a][b];
-                for c in 0..D {
-                    self.second_moment[a][b][c] += scale * o.second_moment[a][b][c];
-                }
-            }
-        }
-    }
-
-    /// The same body with `mass` on the faces of each axis, whose sums differ slightly otherwise.
-    pub fn scaled_to_mass(&self, mass: f64) -> Self {
-        let mut out = Self::zero();
-        for a in 0..D {
-            let scale = mass / self.mass[a].max(1e-300);
-            out.mass[a] = mass;
-            out.momentum[a] = scale * self.momentum[a];
-            out.energy[a] = scale * self.energy[a];
-            out.first_moment[a] = self.first_moment[a].map(|x| scale * x);
-            out.moment_of_momentum[a] = self.moment_of_momentum[a].map(|x| scale * x);
-            out.second_moment[a] = self.second_moment[a].map(|row| row.map(|x| scale * x));
-        }
-        out
-    }
-
-    /// Mean velocity.
-    fn velocity(&self) -> Vector<D> {
-        Vector::from_fn(|a, _| if self.mass[a] > 0.0 { self.momentum[a] / self.mass[a] } else { 0.0 })
-    }
-
-    /// Mean position of the faces of each axis.
-    fn mean_positions(&self) -> [Vector<D>; D] {
-        std::array::from_fn(|a| Vector::from_fn(|b, _| self.first_moment[a][b] / self.mass[a].max(1e-300)))
-    }
-
-    /// Angular momentum about the mean position of each axis' faces, to which a uniform velocity adds nothing.
-    fn angular_momentum(&self) -> [f64; 3] {
-        let relative = |a: usize, b: usize| {
-            self.moment_of_momentum[a][b]
-                - self.first_moment[a][b] * self.momentum[a] / self.mass[a].max(1e-300)
-        };
-        let mut angular_momentum = [0.0; 3];
-        for &(a, b, place) in rotation_planes::<D>() {
-            angular_momentum[place] = relative(b, a) - relative(a, b);
-        }
-        angular_momentum
-    }
-
-    /// Rigid motion of the body, with its centre from the interface.
-    pub fn rigid_motion(&self, center: Vector<D>) -> RigidMotion<D> {
-        RigidMotion {
-            volume: self.mass[0],
-            center,
-            velocity: self.velocity(),
-            angular_momentum_per_density: self.angular_momentum(),
-        }
-    }
-
-    /// Σ m x_b x_c over the faces of axis `a`, about their mean position.
-    fn central_second_moment(&self, a: usize, b: usize, c: usize) -> f64 {
-        self.second_moment[a][b][c]
-            - self.first_moment[a][b] * self.first_moment[a][c] / self.mass[a].max(1e-300)
+    /// Place on the lattice of faces of the `n`-th face.
+    fn at(&self, n: usize) -> [usize; D] {
+        let mut at = self.first;
+        at[0] += n;
+        at
     }
 }
 
@@ -233,47 +143,50 @@ impl<const D: usize> ComponentFaces<'_, D> {
     }
 
     fn chunk(&self, a: usize, segments: &[Segment], values: &[f64]) -> Vec<(u32, Moments<D>)> {
+        let grid = &self.model.grid;
         let mut out: Vec<(u32, Moments<D>)> = Vec::new();
         for s in segments {
-            self.for_each_inner_face(a, s, |face, x, component, mass| {
-                match out.iter_mut().find(|(c, _)| *c == component) {
-                    Some((_, m)) => m.add_face(a, mass, x, values[face]),
-                    None => {
-                        let mut m = Moments::zero();
-                        m.add_face(a, mass, x, values[face]);
-                        out.push((component, m));
-                    }
+            self.for_each_inner_stretch(a, s, |stretch| {
+                let mut row = RowSums::default();
+                for (n, face) in stretch.faces().enumerate() {
+                    let mass = self.open_fractions.map_or(1.0, |open| open.axes[a][face]);
+                    row.add(mass, grid.face_center(a, stretch.at(n))[0], values[face]);
                 }
+                let place = out.iter().position(|(c, _)| *c == stretch.component).unwrap_or_else(|| {
+                    out.push((stretch.component, Moments::zero()));
+                    out.len() - 1
+                });
+                out[place].1.add_row(a, &row, &grid.face_center(a, stretch.first));
             });
         }
         out
     }
 
-    /// Calls `f(face, centre, component, mass)` for the faces of a segment between two liquid cells.
-    fn for_each_inner_face(&self, a: usize, s: &Segment, mut f: impl FnMut(usize, &Vector<D>, u32, f64)) {
+    /// Calls `f` for each stretch of faces of a segment that lie between two liquid cells.
+    fn for_each_inner_stretch(&self, a: usize, s: &Segment, mut f: impl FnMut(&Stretch<D>)) {
         let (faces, cells) = (self.model.grid.face_lattice(a), self.model.grid.lattice());
-        let mut at = faces.coordinates(s.row * faces.extent[0]);
-        let mut component = None;
-        for i in s.start..s.end {
-            at[0] = i;
-            if at[a] == 0 || at[a] == cells.extent[a] {
-                component = None;
-                continue;
+        let row = faces.coordinates(s.row * faces.extent[0]);
+        let (mut start, mut end) = (s.start, s.end);
+        if a == 0 {
+            (start, end) = (start.max(1), end.min(cells.extent[0]));
+        } else if row[a] == 0 || row[a] == cells.extent[a] {
+            return;
+        }
+        let (upper, face) = (cells.index(row), faces.index(row));
+        let is_inner = |i: usize| {
+            let is_open = self.open_fractions.is_none_or(|open| open.axes[a][face + i] != 0.0);
+            is_open && self.phi.data[upper + i] < 0.0 && self.phi.data[upper + i - cells.stride[a]] < 0.0
+        };
+        while start < end {
+            let length = (start..end).take_while(|i| is_inner(*i)).count();
+            if length > 0 {
+                let mut first = row;
+                first[0] = start;
+                let component = (self.label)(upper + start);
+                f(&Stretch { component, first, first_face: face + start, length });
             }
-            let upper = cells.index(at);
-            if self.phi.data[upper] >= 0.0 || self.phi.data[upper - cells.stride[a]] >= 0.0 {
-                component = None;
-                continue;
-            }
-            let face = faces.index(at);
-            let mass = self.open_fractions.map_or(1.0, |open| open.axes[a][face]);
-            // Another component may begin beyond a closed face.
-            if mass == 0.0 {
-                component = None;
-                continue;
-            }
-            let label = *component.get_or_insert_with(|| (self.label)(upper));
-            f(face, &self.model.grid.face_center(a, at), label, mass);
+            // The face at the end of the stretch, if there is one, is no inner face.
+            start += length + 1;
         }
     }
 
@@ -377,8 +290,11 @@ impl<const D: usize> ComponentFaces<'_, D> {
                 &self.faces[a],
                 |s, part| {
                     let base = s.row * row + s.start;
-                    self.for_each_inner_face(a, s, |face, x, component, _| {
-                        part[face - base] += motion(a, x, component)
+                    self.for_each_inner_stretch(a, s, |stretch| {
+                        for (n, face) in stretch.faces().enumerate() {
+                            let x = self.model.grid.face_center(a, stretch.at(n));
+                            part[face - base] += motion(a, &x, stretch.component);
+                        }
                     });
                 },
             );

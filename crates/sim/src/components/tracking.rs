@@ -47,7 +47,7 @@ impl<const D: usize> ComponentChange<D> {
     /// The present components, each unchanged.
     pub fn unchanged(model: &Model<D>, state: &State<D>, work: &Workspace<D>) -> Self {
         let band_labels = band_labels(model, &work.band, &state.phi, &work.liquid);
-        let VolumeMeasurement { dual_cells, volumes, centers } =
+        let VolumeMeasurement { dual_cells, volumes, centers, .. } =
             work.volume_correction(model, &band_labels).measure(&state.phi);
         let groups = (0..volumes.len()).map(|c| ComponentGroup::new(vec![c], vec![c])).collect();
         Self {
@@ -102,7 +102,7 @@ pub fn restore_volume<const D: usize>(
     let volume_error_cells = largest_volume_error_cells(model, &measured_volumes, &target_volumes);
     let limit = BAND_WIDTH_CELLS * model.grid.dx;
     let (corrected, converged) = liquid.correct(&mut state.phi, measured, &target_volumes, &groups, limit);
-    let VolumeMeasurement { dual_cells, volumes, mut centers } = corrected;
+    let VolumeMeasurement { dual_cells, volumes, mut centers, .. } = corrected;
     if !converged {
         repairs.volume_unconverged = 1;
         repairs.volume_residual = absolute_volume_error(&volumes, &target_volumes) / total(&target_volumes);

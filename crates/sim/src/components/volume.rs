@@ -167,6 +167,8 @@ pub fn band_labels<const D: usize>(
 
 /// Measured interface: dual cells, volume and centre of each component.
 pub struct VolumeMeasurement<const D: usize> {
+    /// Keys of the dual cells; they depend on the signs of φ alone.
+    keys: Vec<u32>,
     /// Dual cells that contain the interface.
     pub dual_cells: Vec<DualCell>,
     /// Volume of each component, m³ (2D: m²).
@@ -219,10 +221,15 @@ impl<const D: usize> VolumeCorrection<'_, D> {
 
     /// Measures the volumes within the interface of `phi`.
     pub fn measure(&self, phi: &CellField<D>) -> VolumeMeasurement<D> {
-        let dual_cells = self.dual_grid.interface_cells(&phi.data, self.band);
+        self.measure_in(self.dual_grid.interface_keys(&phi.data, self.band), phi)
+    }
+
+    /// Measures the volumes within the interface of `phi`, which lies in the dual cells with these keys.
+    fn measure_in(&self, keys: Vec<u32>, phi: &CellField<D>) -> VolumeMeasurement<D> {
+        let dual_cells = self.dual_grid.dual_cells(&phi.data, &keys);
         let sums = self.dual_grid.component_volumes(self.cells, self.component_of(), &dual_cells);
         let (volumes, centers) = sums.into_iter().unzip();
-        VolumeMeasurement { dual_cells, volumes, centers }
+        VolumeMeasurement { keys, dual_cells, volumes, centers }
     }
 
     /// Shifts φ within `limit` (m) of each component's interface until volumes and positions match their targets (Newton iteration).
@@ -259,7 +266,7 @@ impl<const D: usize> VolumeCorrection<'_, D> {
                     *value = if *value < 0.0 { shifted.min(-min_phi) } else { shifted.max(min_phi) };
                 }
             }
-            now = self.measure(phi);
+            now = self.measure_in(now.keys, phi);
         }
         let converged = is_converged(&now, &centroid_corrections(groups, targets, &now.centers));
         (now, converged)

@@ -1,20 +1,33 @@
 //! Semi-Lagrangian advection of the interface and the velocity along third-order Runge–Kutta paths.
 
 use crate::model::Model;
-use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Sampler, Segment};
+use meniscus_numerics::grid::{
+    Band, CellField, CutCells, FaceField, Grid, Lattice, Runs, Sampler, Segment, VelocitySampler,
+};
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
-/// Departure point of the path that arrives at `x` after `dt` (Ralston's third-order method).
+/// What the path that arrives at `x` after `dt` with the velocity `arrival` adds to the displacement `dt · arrival`, m (Ralston's third-order
+/// method).
+fn path_bend<const D: usize>(
+    x: &Vector<D>,
+    arrival: &Vector<D>,
+    dt: f64,
+    velocity: impl Fn(&Vector<D>) -> Vector<D>,
+) -> Vector<D> {
+    let second = velocity(&(x - arrival * (0.5 * dt)));
+    let third = velocity(&(x - second * (0.75 * dt)));
+    ((second - arrival) * 3.0 + (third - arrival) * 4.0) * (dt / 9.0)
+}
+
+/// Departure point of the path that arrives at `x` after `dt`.
 fn departure_point<const D: usize>(
     x: &Vector<D>,
     dt: f64,
     velocity: impl Fn(&Vector<D>) -> Vector<D>,
 ) -> Vector<D> {
-    let first = velocity(x);
-    let second = velocity(&(x - first * (0.5 * dt)));
-    let third = velocity(&(x - second * (0.75 * dt)));
-    x - (first * 2.0 + second * 3.0 + third * 4.0) * (dt / 9.0)
+    let arrival = velocity(x);
+    x - arrival * dt - path_bend(x, &arrival, dt, velocity)
 }
 
 /// Distance from the interface, in cells, within which paths use cubic interpolation of the velocity.
@@ -60,11 +73,7 @@ pub fn advect_interface<const D: usize>(
                 let liquid = lattice.neighbours(cell as usize).filter(|n| phi.data[*n] < 0.0);
                 let fronts = liquid.map(|n| {
                     let beside = grid.center(lattice.coordinates(n));
-                    distance
-                        .distance_with_gradient(
-                            &(x + departure_point(&beside, dt, |x| flow.cubic(x)) - beside),
-                        )
-                        .0
+                    distance.distance(&(x + departure_point(&beside, dt, |x| flow.cubic(x)) - beside))
                 });
                 return fronts.fold(f64::INFINITY, f64::min);
             }
@@ -72,12 +81,13 @@ pub fn advect_interface<const D: usize>(
             let from = if near {
                 departure_point(&x, dt, |x| flow.cubic(x))
             } else {
-                departure_point(&x, dt, |x| flow.linear(x))
+                let arrival = flow.at_cell(at);
+                x - arrival * dt - path_bend(&x, &arrival, dt, |x| flow.linear(x))
             };
             if beside_solid.contains(&cut.distance_cells(cell as usize)) {
                 distance.distance_on_side(&from, |first| own_side(cut, at, first))
             } else {
-                distance.distance_with_gradient(&from).0
+                distance.distance(&from)
             }
         })
         .collect()
@@ -103,6 +113,7 @@ const EXTRAPOLATION_REACH_CELLS: f64 = 1.5;
 
 /// The signed distance before a step and after it.
 struct Depths<'a, const D: usize> {
+    cells_before: &'a CellField<D>,
     before: Sampler<'a, D>,
     after: Sampler<'a, D>,
     cut: &'a CutCells<D>,
@@ -118,10 +129,13 @@ impl<const D: usize> Depths<'_, D> {
         let grid = &self.cut.open_fraction.grid;
         let reach = EXTRAPOLATION_REACH_CELLS * grid.dx;
         let cell = grid.lattice().index(std::array::from_fn(|a| face[a].min(grid.cells[a] - 1)));
-        // Away from solids φ is a distance, of which linear interpolation is off by less than a cell.
-        let is_distance = self.cut.distance_cells(cell) > STENCIL_REACH_CELLS;
-        if is_distance && self.before.linear(&departure) < -reach - grid.dx {
-            return departure;
+        // Away from solids φ is a distance, which changes by no more than the way, and of which linear interpolation is off by less than a cell.
+        if self.cut.distance_cells(cell) > STENCIL_REACH_CELLS {
+            let deep = -reach - grid.dx;
+            let way = (departure - grid.center(grid.lattice().coordinates(cell))).norm();
+            if self.cells_before.data[cell] + way < deep || self.before.linear(&departure) < deep {
+                return departure;
+            }
         }
         let (before, gradient) = self.before.distance_with_gradient(&departure);
         if before < -reach {
@@ -135,33 +149,105 @@ impl<const D: usize> Depths<'_, D> {
     }
 }
 
-/// Advected velocity on the given faces: one list of values per axis, segment after segment. `phi` is the signed distance before the step
-/// and after it, `cut` are the cells beside solids.
+/// The bends of the paths that arrive at the centres of the liquid's cells and of those beside them ([`path_bend`]).
+struct CellPaths<const D: usize> {
+    segments: Vec<Segment>,
+    /// The segments packed one behind the other.
+    packed: Vec<Segment>,
+    bends: Vec<Vector<D>>,
+}
+
+impl<const D: usize> CellPaths<D> {
+    fn new(grid: &Grid<D>, flow: &VelocitySampler<'_, D>, liquid: &Runs, dt: f64) -> Self {
+        let segments = liquid.with_neighbours(grid);
+        let (packed, lattice) = (pack(&segments), grid.lattice());
+        let mut bends = vec![Vector::zeros(); packed.last().map_or(0, |s| s.end)];
+        par::for_each_segment(&mut bends, 0, &packed, |s, part| {
+            let from = &segments[s.row];
+            let mut at = lattice.coordinates(from.row * lattice.extent[0]);
+            for (i, bend) in part.iter_mut().enumerate() {
+                at[0] = from.start + i;
+                *bend = path_bend(&grid.center(at), &flow.at_cell(at), dt, |x| flow.linear(x));
+            }
+        });
+        Self { segments, packed, bends }
+    }
+
+    /// The bends of cells of a row from `start` on.
+    fn from(&self, row: usize, start: usize) -> &[Vector<D>] {
+        let next = self.segments.partition_point(|s| (s.row, s.start) <= (row, start));
+        match next.checked_sub(1).map(|i| (&self.segments[i], &self.packed[i])) {
+            Some((s, packed)) if s.row == row && start < s.end => {
+                &self.bends[packed.start + start - s.start..packed.end]
+            }
+            _ => &[],
+        }
+    }
+}
+
+/// The bends of the cells on both sides of the faces of a row.
+struct Beside<'a, const D: usize> {
+    lower: &'a [Vector<D>],
+    upper: &'a [Vector<D>],
+    /// Number of faces at the start of the row without a lower cell.
+    without_lower: usize,
+}
+
+impl<'a, const D: usize> Beside<'a, D> {
+    /// Beside the faces normal to `axis` from the place `at` on.
+    fn new(paths: &'a CellPaths<D>, cells: &Lattice<D>, axis: usize, mut at: [usize; D]) -> Self {
+        let of = |at: [usize; D]| paths.from(cells.index(at) / cells.extent[0], at[0]);
+        let has_upper = axis == 0 || at[axis] < cells.extent[axis];
+        let upper = if has_upper { of(at) } else { &[] };
+        let without_lower = usize::from(axis == 0 && at[0] == 0);
+        let has_lower = axis == 0 || at[axis] > 0;
+        at[axis] = at[axis].saturating_sub(1);
+        Self { lower: if has_lower { of(at) } else { &[] }, upper, without_lower }
+    }
+
+    /// The mean bend beside the face `i`.
+    fn mean_bend(&self, i: usize) -> Vector<D> {
+        let lower = i.checked_sub(self.without_lower).and_then(|i| self.lower.get(i));
+        match (lower, self.upper.get(i)) {
+            (Some(lower), Some(upper)) => (lower + upper) * 0.5,
+            (one, other) => one.or(other).copied().unwrap_or(Vector::zeros()),
+        }
+    }
+}
+
+/// Advected velocity on the faces of the `liquid`: one list of values per axis, segment after segment. `phi` is the signed distance before
+/// the step and after it, `cut` are the cells beside solids.
+///
+/// The path that arrives at a face is bent as those at the two cells beside it in the mean. The difference from a path of its own is of
+/// second order in the cell size and in the step.
 pub fn advect_velocity<const D: usize>(
     model: &Model<D>,
     phi: [&CellField<D>; 2],
     velocity: &FaceField<D>,
-    faces: &[Vec<Segment>; D],
+    (liquid, faces): (&Runs, &[Vec<Segment>; D]),
     cut: &CutCells<D>,
     dt: f64,
 ) -> [Vec<f64>; D] {
-    let flow = model.velocity_sampler(velocity);
-    let [before, after] = phi.map(|phi| Sampler::cells(&model.grid, &phi.data, model.scalar_boundary()));
-    let depths = Depths { before, after, cut };
+    let (grid, flow) = (&model.grid, model.velocity_sampler(velocity));
+    let [before, after] = phi.map(|phi| Sampler::cells(grid, &phi.data, model.scalar_boundary()));
+    let depths = Depths { cells_before: phi[0], before, after, cut };
+    let paths = CellPaths::new(grid, &flow, liquid, dt);
     std::array::from_fn(|axis| {
-        let lattice = model.grid.face_lattice(axis);
-        let mut values = vec![0.0; faces[axis].iter().map(|s| s.end - s.start).sum()];
+        let (lattice, cells) = (grid.face_lattice(axis), grid.lattice());
         let packed = pack(&faces[axis]);
+        let mut values = vec![0.0; packed.last().map_or(0, |s| s.end)];
         par::for_each_segment(&mut values, 0, &packed, |s, part| {
             let from = &faces[axis][s.row];
             let mut at = lattice.coordinates(from.row * lattice.extent[0]);
+            at[0] = from.start;
+            let beside = Beside::new(&paths, &cells, axis, at);
             for (i, value) in part.iter_mut().enumerate() {
                 at[0] = from.start + i;
                 if model.on_closed_side(axis, at[axis]) {
                     continue;
                 }
-                let x = model.grid.face_center(axis, at);
-                let departure = departure_point(&x, dt, |x| flow.linear(x));
+                let x = grid.face_center(axis, at);
+                let departure = x - flow.at_face(axis, at) * dt - beside.mean_bend(i);
                 *value = flow.component(axis).cubic(&depths.corrected(departure, &x, at));
             }
         });
@@ -217,7 +303,8 @@ mod tests {
             }
             let segments = work.known_faces.liquid_faces().clone();
             let phis = [&state.phi, &phi];
-            let moved = advect_velocity(&model, phis, &state.velocity, &segments, &work.cut_cells, 0.1);
+            let liquid = (&work.liquid, &segments);
+            let moved = advect_velocity(&model, phis, &state.velocity, liquid, &work.cut_cells, 0.1);
             for (a, axis) in moved.iter().enumerate() {
                 let row = model.grid.face_lattice(a).extent[0];
                 let own = segments[a].iter().flat_map(|s| s.row * row + s.start..s.row * row + s.end);

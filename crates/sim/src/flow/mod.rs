@@ -5,3 +5,4 @@ pub mod outflow;
 pub mod prescribed;
 pub mod pressure;
 pub mod viscosity;
+mod viscous_operator;

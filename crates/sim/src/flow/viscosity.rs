@@ -15,15 +15,13 @@
 //! cells fractions and masses are those of the open part. Faces closed by solids have no mass and follow the liquid; as fixed values
 //! they made drops glide.
 
+use super::viscous_operator::{CELLS_PER_TASK, Cell, ViscousOperator};
 use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Lattice, Runs, Sampler, Segment};
-use meniscus_numerics::linalg::{
-    Jacobi, LinearOperator, SolveError, SolveLimits, SolveReport, conjugate_gradient,
-};
+use meniscus_numerics::linalg::{Jacobi, SolveError, SolveLimits, SolveReport, conjugate_gradient};
 use meniscus_numerics::shape::plane_box_fraction;
 use meniscus_numerics::{par, rotation_planes};
 use rayon::prelude::*;
-use std::sync::{Mutex, PoisonError};
 
 /// Relative residual of the solve. 1e-8 takes twice the iterations and changes the decay of a drop by 0.03 %.
 const TOLERANCE: f64 = 1e-6;
@@ -37,8 +35,6 @@ const FULL_CELL_DISTANCE_CELLS: f64 = 2.0;
 const MIN_LIQUID_FRACTION: f64 = 1e-6;
 /// Smallest mass of a face of the liquid, as in the pressure solve.
 const MIN_FACE_MASS: f64 = 0.02;
-/// Cells per parallel task.
-const CELLS_PER_TASK: usize = 1024;
 
 /// The fields of a state that viscosity needs.
 pub struct Diffusion<'a, const D: usize> {
@@ -68,8 +64,8 @@ impl<const D: usize> Diffusion<'_, D> {
     fn advance_to(&mut self, model: &Model<D>, dt: f64, tolerance: f64) -> Result<SolveReport, SolveError> {
         let places = UnknownCells::new(model, self);
         let stiffness = model.kinematic_viscosity * dt / (model.grid.dx * model.grid.dx);
-        let operator = ViscousOperator::new(model, self.phi, self.cut_cells, &places, stiffness);
-        let mut x = operator.gather(model, &places, self.velocity);
+        let operator = ViscousOperator::new(Builder::new(model, self, &places, stiffness).cells(), stiffness);
+        let mut x = gather(&operator.cells, model, &places, self.velocity);
         let mut b = x.clone();
         let cells = b.par_chunks_mut(D).zip(&operator.cells).with_min_len(CELLS_PER_TASK);
         cells.for_each(|(b, cell)| (0..D).for_each(|a| b[a] *= cell.face_mass[a]));
@@ -131,142 +127,36 @@ impl<const D: usize> UnknownCells<D> {
     }
 }
 
-/// Coefficients of a cell, of the edges at its lower corner, and of its lower faces.
-#[derive(Clone, Copy)]
-struct Cell<const D: usize> {
-    /// Slots of the lower and upper neighbour along each axis.
-    next: [[u32; 2]; D],
-    /// `2 ν h/Δ²` times the liquid fraction of the cell.
-    normal: f64,
-    /// `ν h/Δ²` times the liquid fraction of the box around the lower edge of each plane.
-    shear: [f64; D],
-    /// Masses of the lower faces.
-    face_mass: [f64; D],
-    /// Whether the lower faces are unknowns.
-    is_unknown: [bool; D],
-}
-
-/// The operator `M + ½ h Φ'`: mass plus `h` times half the gradient of `Φ`.
-struct ViscousOperator<const D: usize> {
-    cells: Vec<Cell<D>>,
-    /// Weighted strain rates of each cell: along the axes, in the planes.
-    strain: Mutex<Vec<[[f64; D]; 2]>>,
-}
-
-impl<const D: usize> ViscousOperator<D> {
-    fn new(
-        model: &Model<D>,
-        phi: &CellField<D>,
-        solids: &CutCells<D>,
-        places: &UnknownCells<D>,
-        stiffness: f64,
-    ) -> Self {
-        let dummy = Cell {
-            next: [[0; 2]; D],
-            normal: 0.0,
-            shear: [0.0; D],
-            face_mass: [0.0; D],
-            is_unknown: [false; D],
-        };
-        let builder = Builder {
-            model,
-            places,
-            phi: &phi.data,
-            sampler: Sampler::cells(&model.grid, &phi.data, model.scalar_boundary()),
-            solids,
-            stiffness,
-        };
-        let build = |(i, p): (usize, &u32)| if i == 0 { dummy } else { builder.cell(*p as usize) };
-        let cells: Vec<Cell<D>> =
-            places.list.par_iter().with_min_len(CELLS_PER_TASK).enumerate().map(build).collect();
-        let strain = Mutex::new(vec![[[0.0; D]; 2]; cells.len()]);
-        Self { cells, strain }
-    }
-
-    /// Initial values on the faces. Unknowns outside the liquid get the mean of their neighbours in it.
-    fn gather(&self, model: &Model<D>, places: &UnknownCells<D>, velocity: &FaceField<D>) -> Vec<f64> {
-        let value = |i: usize, a: usize| {
-            let at = places.lattice.coordinates(places.list[i] as usize);
-            let exists = i > 0 && (0..D).all(|b| b == a || at[b] < model.grid.cells[b]);
-            if exists { velocity.axes[a][model.grid.face_lattice(a).index(at)] } else { 0.0 }
-        };
-        let mut x = vec![0.0; self.cells.len() * D];
-        x.par_chunks_mut(D).zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(
-            |(i, (x, cell))| {
-                for a in 0..D {
-                    if !cell.is_unknown[a] {
-                        x[a] = value(i, a);
-                        continue;
-                    }
-                    let near = cell.next.iter().flatten().map(|n| *n as usize);
-                    let known = near.filter(|n| self.cells[*n].face_mass[a] > 0.0);
-                    x[a] = if cell.face_mass[a] > 0.0 {
-                        value(i, a)
-                    } else {
-                        let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + value(n, a), c + 1.0));
-                        sum / f64::max(count, 1.0)
-                    };
+/// Initial values on the faces. Unknowns outside the liquid get the mean of their neighbours in it.
+fn gather<const D: usize>(
+    cells: &[Cell<D>],
+    model: &Model<D>,
+    places: &UnknownCells<D>,
+    velocity: &FaceField<D>,
+) -> Vec<f64> {
+    let place = |i: usize| places.lattice.coordinates(places.list[i] as usize);
+    let value_at = |at: [usize; D], a: usize| {
+        let exists = (0..D).all(|b| b == a || at[b] < model.grid.cells[b]);
+        if exists { velocity.axes[a][model.grid.face_lattice(a).index(at)] } else { 0.0 }
+    };
+    let value = |i: usize, a: usize| if i > 0 { value_at(place(i), a) } else { 0.0 };
+    let mut x = vec![0.0; cells.len() * D];
+    x.par_chunks_mut(D).zip(cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(
+        |(i, (x, cell))| {
+            let at = place(i);
+            for a in (0..D).filter(|_| i > 0) {
+                if !cell.is_unknown[a] || cell.face_mass[a] > 0.0 {
+                    x[a] = value_at(at, a);
+                    continue;
                 }
-            },
-        );
-        x
-    }
-
-    fn diagonal(&self) -> Vec<f64> {
-        let of = |c: &Cell<D>, a: usize| {
-            if !c.is_unknown[a] {
-                return 0.0;
+                let near = cell.next.iter().flatten().map(|n| *n as usize);
+                let known = near.filter(|n| cells[*n].face_mass[a] > 0.0);
+                let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + value(n, a), c + 1.0));
+                x[a] = sum / f64::max(count, 1.0);
             }
-            let mut sum = c.face_mass[a] + c.normal + self.cells[c.next[a][0] as usize].normal;
-            for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
-                if a == p || a == q {
-                    sum += c.shear[k] + self.cells[c.next[p + q - a][1] as usize].shear[k];
-                }
-            }
-            sum
-        };
-        self.cells
-            .par_iter()
-            .with_min_len(CELLS_PER_TASK)
-            .flat_map_iter(|c| (0..D).map(move |a| of(c, a)))
-            .collect()
-    }
-}
-
-impl<const D: usize> LinearOperator for ViscousOperator<D> {
-    fn size(&self) -> usize {
-        self.cells.len() * D
-    }
-
-    fn apply(&self, x: &[f64], y: &mut [f64]) {
-        let (u, _) = x.as_chunks::<D>();
-        let mut strain = self.strain.lock().unwrap_or_else(PoisonError::into_inner);
-        strain.par_iter_mut().zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(
-            |(i, (s, c))| {
-                let here = u[i];
-                for a in 0..D {
-                    s[0][a] = c.normal * (u[c.next[a][1] as usize][a] - here[a]);
-                }
-                for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
-                    let (below, left) = (u[c.next[q][0] as usize][p], u[c.next[p][0] as usize][q]);
-                    s[1][k] = c.shear[k] * (here[p] - below + here[q] - left);
-                }
-            },
-        );
-        let strain = &*strain;
-        let (v, _) = y.as_chunks_mut::<D>();
-        v.par_iter_mut().zip(&self.cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(|(i, (v, c))| {
-            let here = &strain[i];
-            for a in 0..D {
-                v[a] = c.face_mass[a] * u[i][a] + strain[c.next[a][0] as usize][0][a] - here[0][a];
-            }
-            for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
-                v[p] += here[1][k] - strain[c.next[q][1] as usize][1][k];
-                v[q] += here[1][k] - strain[c.next[p][1] as usize][1][k];
-            }
-            (0..D).filter(|a| !c.is_unknown[*a]).for_each(|a| v[a] = 0.0);
-        });
-    }
+        },
+    );
+    x
 }
 
 /// Computes liquid fractions and coefficients.
@@ -279,7 +169,23 @@ struct Builder<'a, const D: usize> {
     stiffness: f64,
 }
 
-impl<const D: usize> Builder<'_, D> {
+impl<'a, const D: usize> Builder<'a, D> {
+    fn new(
+        model: &'a Model<D>,
+        diffusion: &'a Diffusion<'_, D>,
+        places: &'a UnknownCells<D>,
+        stiffness: f64,
+    ) -> Self {
+        let phi = &diffusion.phi.data;
+        let sampler = Sampler::cells(&model.grid, phi, model.scalar_boundary());
+        Self { model, places, phi, sampler, solids: diffusion.cut_cells, stiffness }
+    }
+
+    fn cells(&self) -> Vec<Cell<D>> {
+        let build = |(i, p): (usize, &u32)| if i == 0 { Cell::empty() } else { self.cell(*p as usize) };
+        self.places.list.par_iter().with_min_len(CELLS_PER_TASK).enumerate().map(build).collect()
+    }
+
     fn cell(&self, place: usize) -> Cell<D> {
         let lattice = &self.places.lattice;
         let extent = self.model.grid.cells;
@@ -291,6 +197,9 @@ impl<const D: usize> Builder<'_, D> {
         });
         let value = if inside { self.phi[self.model.grid.lattice().index(at)] } else { f64::INFINITY };
         let is_full = value < -FULL_CELL_DISTANCE_CELLS * self.model.grid.dx;
+        if is_full && self.is_deep(at, &next) {
+            return Cell::full(next, self.stiffness);
+        }
         // A term with a missing face is left out.
         let whole = |a: usize| next[a][1] != 0 || self.model.on_closed_side(a, at[a] + 1);
         let normal = if !inside || !(0..D).all(whole) {
@@ -317,6 +226,15 @@ impl<const D: usize> Builder<'_, D> {
             self.apply_open_fractions(&mut cell, at);
         }
         cell
+    }
+
+    /// Whether a full cell lies so deep in the liquid, and so far from solids and sides, that all its coefficients are those of unbounded liquid.
+    fn is_deep(&self, at: [usize; D], next: &[[u32; 2]; D]) -> bool {
+        let lattice = self.model.grid.lattice();
+        let here = lattice.index(at);
+        self.solids.distance_cells(here) > FULL_CELL_DISTANCE_CELLS
+            && next.iter().flatten().all(|n| *n != 0)
+            && (0..D).all(|a| self.phi[here - lattice.stride[a]] < 0.0)
     }
 
     /// Reduces the coefficients of a cell to the part that solids leave open.

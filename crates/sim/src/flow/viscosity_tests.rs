@@ -101,7 +101,7 @@ fn operator_is_symmetric<const D: usize>() {
     let (mut state, work) = liquid(&model, |x| ball(&(x * 0.6)), |_| Vector::zeros());
     let d = diffusion(&mut state, &work);
     let places = UnknownCells::new(&model, &d);
-    let operator = ViscousOperator::new(&model, d.phi, d.cut_cells, &places, 3.0);
+    let operator = ViscousOperator::new(Builder::new(&model, &d, &places, 3.0).cells(), 3.0);
     let diagonal = operator.diagonal();
     let n = operator.size();
     let (mut x, mut image) = (vec![0.0; n], vec![0.0; n]);
@@ -124,6 +124,30 @@ fn the_operator_is_symmetric() {
     operator_is_symmetric::<3>();
 }
 
+fn deep_stretches_are_the_general_operator<const D: usize>() {
+    let model = model::<D>(24);
+    let (mut state, work) = liquid(&model, ball, |_| Vector::zeros());
+    let d = diffusion(&mut state, &work);
+    let places = UnknownCells::new(&model, &d);
+    let cells = Builder::new(&model, &d, &places, 3.0).cells();
+    // Of another stiffness no cell is deep.
+    let operators = [3.0, f64::NAN].map(|stiffness| ViscousOperator::new(cells.clone(), stiffness));
+    assert!(operators[0].deep_cells() > places.list.len() / 8 && operators[1].deep_cells() == 0);
+    let x: Vec<f64> = (0..operators[0].size()).map(|i| if i < D { 0.0 } else { (0.7 * i as f64).sin() }).collect();
+    let [deep, general] = operators.map(|operator| {
+        let mut image = vec![0.0; x.len()];
+        operator.apply(&x, &mut image);
+        image
+    });
+    assert!(deep == general, "{D}D");
+}
+
+#[test]
+fn the_operator_of_deep_stretches_is_the_general_one() {
+    deep_stretches_are_the_general_operator::<2>();
+    deep_stretches_are_the_general_operator::<3>();
+}
+
 #[test]
 fn a_linear_strain_dissipates_what_it_should() {
     let model = model::<2>(64);
@@ -131,8 +155,9 @@ fn a_linear_strain_dissipates_what_it_should() {
     let (mut state, work) = liquid(&model, |x| (x - center).norm() - 0.25, |_| Vector::zeros());
     let d = diffusion(&mut state, &work);
     let places = UnknownCells::new(&model, &d);
-    let mut operator = ViscousOperator::new(&model, d.phi, d.cut_cells, &places, 1.0);
-    operator.cells.iter_mut().for_each(|c| c.face_mass = [0.0; 2]);
+    let mut cells = Builder::new(&model, &d, &places, 1.0).cells();
+    cells.iter_mut().for_each(|c| c.face_mass = [0.0; 2]);
+    let operator = ViscousOperator::new(cells, 1.0);
     let strain = |i: usize, a: usize| {
         let x = model.grid.face_center(a, places.lattice.coordinates(places.list[i] as usize));
         if i == 0 { 0.0 } else { [x[0], -x[1]][a] }

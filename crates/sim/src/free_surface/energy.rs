@@ -96,8 +96,8 @@ impl<const D: usize> DualGrid<D> {
         self.solid_cells = all;
     }
 
-    /// Every dual cell that the surface crosses or in which liquid wets a solid, in order of memory.
-    pub fn interface_cells(&self, phi: &[f64], band: &Band<D>) -> Vec<DualCell> {
+    /// Keys of the dual cells that the surface crosses or in which liquid wets a solid, in order of memory. Only the signs of `phi` are used.
+    pub fn interface_keys(&self, phi: &[f64], band: &Band<D>) -> Vec<u32> {
         let cubes = self.lattice();
         let cells = self.grid.lattice();
         let mut keys: Vec<u32> = band.cells[band.first_layers(1)]
@@ -113,7 +113,18 @@ impl<const D: usize> DualGrid<D> {
         keys.extend(self.solid_cells.iter().filter(|d| wet(d)).map(|d| d.key));
         keys.par_sort_unstable();
         keys.dedup();
+        keys
+    }
+
+    /// The dual cells with these keys.
+    pub fn dual_cells(&self, phi: &[f64], keys: &[u32]) -> Vec<DualCell> {
         keys.par_iter().map(|&k| self.dual_cell(phi, k)).collect()
+    }
+
+    /// Every dual cell that the surface crosses or in which liquid wets a solid, in order of memory.
+    #[cfg(test)]
+    pub fn interface_cells(&self, phi: &[f64], band: &Band<D>) -> Vec<DualCell> {
+        self.dual_cells(phi, &self.interface_keys(phi, band))
     }
 
     /// The contact line of the energy: a point, m, in every dual cell in which it pulls at a solid.

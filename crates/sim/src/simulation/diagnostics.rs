@@ -1,7 +1,8 @@
 //! Diagnostics of a state: volume, momentum and energy.
 
 use super::workspace::{Workspace, component_bounds};
-use crate::components::momentum::{Moments, MomentumTargets, combined};
+use crate::components::moments::Moments;
+use crate::components::momentum::{MomentumTargets, combined};
 use crate::components::restoration::restore_momentum;
 use crate::components::tracking::ComponentChange;
 use crate::flow::pressure::divergence_max;

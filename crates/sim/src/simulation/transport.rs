@@ -148,7 +148,7 @@ pub fn move_velocity<const D: usize>(
 ) {
     let faces: [Vec<Segment>; D] = std::array::from_fn(|a| work.liquid.faces(&model.grid, a));
     let phi = [&work.phi_before, &state.phi];
-    let values = advect_velocity(model, phi, &state.velocity, &faces, &work.cut_cells, dt);
+    let values = advect_velocity(model, phi, &state.velocity, (&work.liquid, &faces), &work.cut_cells, dt);
     work.known_faces.clear_with_velocity(&mut state.velocity);
     for a in 0..D {
         let lattice = model.grid.face_lattice(a);

@@ -11,7 +11,7 @@ pub use velocity::VelocitySampler;
 
 use super::{Grid, Lattice};
 use crate::Vector;
-use stencil::{Stencil, Window, contract, contract_with_gradient, contract_within_range, dot, transposed};
+use stencil::{Stencil, Window, contract, contract_rows, contract_with_gradient, contract_within_range, dot, transposed};
 use weights::{
     MAX_SMOOTH_THIRD_DIFFERENCE_CELLS, cubic_weight_derivatives, cubic_weights, eno_cubic_weights,
     kink_indicator, max_third_difference, quintic_weights,
@@ -80,14 +80,8 @@ impl<'a, const D: usize> Sampler<'a, D> {
     /// Multilinear interpolation in a cell of the lattice.
     #[inline(always)]
     fn linear_at(&self, base: [isize; D], t: &[f64; D]) -> f64 {
-        let gathered;
-        let window = match self.window::<2, 2>(base) {
-            Some(window) => window,
-            None => {
-                gathered = self.mirrored_rows::<2, 2, 4>(base);
-                Window::of_rows::<2, 2>(&gathered)
-            }
-        };
+        let mut mirrored = None;
+        let window = self.window_or_mirrored::<2, 2, 4>(base, &mut mirrored);
         let mut sum = 0.0;
         for row in 0..1usize << (D - 1) {
             let mut weight = 1.0;
@@ -103,14 +97,8 @@ impl<'a, const D: usize> Sampler<'a, D> {
     /// Limited cubic interpolation in a cell of the lattice.
     #[inline(always)]
     fn cubic_at(&self, base: [isize; D], weights: &[[f64; 4]; D]) -> f64 {
-        let gathered;
-        let window = match self.window::<4, 4>(base) {
-            Some(window) => window,
-            None => {
-                gathered = self.mirrored_rows::<4, 4, 16>(base);
-                Window::of_rows::<4, 4>(&gathered)
-            }
-        };
+        let mut mirrored = None;
+        let window = self.window_or_mirrored::<4, 4, 16>(base, &mut mirrored);
         contract_within_range::<D>(&window, weights)
     }
 
@@ -129,22 +117,34 @@ impl<'a, const D: usize> Sampler<'a, D> {
     /// kinks. A cubic across a kink overshoots, which thickens filaments.
     pub fn distance_with_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
-        let gathered;
-        let window = match self.window::<6, 8>(base) {
-            Some(window) => window,
-            None => {
-                gathered = self.mirrored_rows::<6, 8, 36>(base);
-                Window::of_rows::<6, 8>(&gathered)
-            }
-        };
+        let mut mirrored = None;
+        let window = self.window_or_mirrored::<6, 8, 36>(base, &mut mirrored);
         let middle = window.middle::<D>();
-        if max_third_difference::<D>(&middle) * self.inverse_dx < MAX_SMOOTH_THIRD_DIFFERENCE_CELLS {
+        if self.is_smooth(&middle) {
             let (weights, slopes) = quintic_weights(&t);
             let (value, slopes) = contract_with_gradient::<6, 8, D>(&window, &weights, &slopes);
             (value, slopes * self.inverse_dx)
         } else {
             self.eno_cubic_in(middle, &t)
         }
+    }
+
+    /// The value of [`Self::distance_with_gradient`] alone.
+    pub fn distance(&self, x: &Vector<D>) -> f64 {
+        let (base, t) = self.locate(x);
+        let mut mirrored = None;
+        let window = self.window_or_mirrored::<6, 8, 36>(base, &mut mirrored);
+        let middle = window.middle::<D>();
+        if self.is_smooth(&middle) {
+            contract_rows::<6, 8, D>(&window, &quintic_weights(&t).0)
+        } else {
+            self.eno_cubic_in(middle, &t).0
+        }
+    }
+
+    /// Whether the third differences of a signed distance are small enough for a polynomial.
+    fn is_smooth(&self, stencil: &Stencil) -> bool {
+        max_third_difference::<D>(stencil) * self.inverse_dx < MAX_SMOOTH_THIRD_DIFFERENCE_CELLS
     }
 
     /// Value of a signed distance at `x` (m), as seen from one side of thin solids. `side` takes the first point of the stencil, which has 4
@@ -199,11 +199,17 @@ impl<'a, const D: usize> Sampler<'a, D> {
 
     /// Gradient (per m) at a lattice point by central differences.
     pub fn gradient(&self, at: [usize; D]) -> Vector<D> {
+        let here = self.lattice.index(at);
         Vector::from_fn(|a, _| {
-            let (mut up, mut down) = (at.map(|i| i as isize), at.map(|i| i as isize));
-            up[a] += 1;
-            down[a] -= 1;
-            0.5 * self.inverse_dx * (self.value(up) - self.value(down))
+            let difference = if at[a] > 0 && at[a] + 1 < self.lattice.extent[a] {
+                self.data[here + self.lattice.stride[a]] - self.data[here - self.lattice.stride[a]]
+            } else {
+                let (mut up, mut down) = (at.map(|i| i as isize), at.map(|i| i as isize));
+                up[a] += 1;
+                down[a] -= 1;
+                self.value(up) - self.value(down)
+            };
+            0.5 * self.inverse_dx * difference
         })
     }
 
@@ -230,10 +236,20 @@ impl<'a, const D: usize> Sampler<'a, D> {
 
     /// The values of the 4 points along each axis around a point.
     fn stencil(&self, base: [isize; D]) -> Stencil {
-        match self.window::<4, 4>(base) {
-            Some(window) => window.stencil::<D>(),
-            None => self.mirrored_rows::<4, 4, 16>(base),
-        }
+        self.window_or_mirrored::<4, 4, 16>(base, &mut None).stencil::<D>()
+    }
+
+    /// The values around a point, `N` along each axis, in rows of `L` lanes of which the first `N` count: where they lie, or in `mirrored`
+    /// where they are not all within the data. `R` is `N²`.
+    #[inline(always)]
+    fn window_or_mirrored<'w, const N: usize, const L: usize, const R: usize>(
+        &'w self,
+        base: [isize; D],
+        mirrored: &'w mut Option<[[f64; L]; R]>,
+    ) -> Window<'w> {
+        self.window::<N, L>(base).unwrap_or_else(|| {
+            Window::of_rows::<N, L>(mirrored.insert(self.mirrored_rows::<N, L, R>(base)))
+        })
     }
 
     /// The values around a point, `N` along each axis, in rows of `L` lanes of which the first `N` count; `None` where they are not all
@@ -281,7 +297,20 @@ impl<'a, const D: usize> Sampler<'a, D> {
     }
 
     /// The value at a lattice point that may lie beyond the edges.
+    #[inline]
     pub fn value(&self, at: [isize; D]) -> f64 {
+        // A negative coordinate is larger than any extent as an unsigned number.
+        if (0..D).all(|a| (at[a] as usize) < self.lattice.extent[a]) {
+            self.data[self.lattice.index(at.map(|i| i as usize))]
+        } else {
+            self.mirrored_value(at)
+        }
+    }
+
+    /// The value at a lattice point beyond the edges.
+    #[cold]
+    #[inline(never)]
+    fn mirrored_value(&self, at: [isize; D]) -> f64 {
         let places: [(usize, f64); D] = std::array::from_fn(|a| self.mirrored(a, at[a]));
         let sign: f64 = places.iter().map(|place| place.1).product();
         sign * self.data[self.lattice.index(places.map(|place| place.0))]

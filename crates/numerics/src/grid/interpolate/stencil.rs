@@ -88,6 +88,28 @@ pub(super) fn contract_with_gradient<const N: usize, const L: usize, const D: us
     (along(&weights[0], &value), Vector::from_fn(|a, _| slope(a)))
 }
 
+/// The value of [`contract_with_gradient`] alone.
+pub(super) fn contract_rows<const N: usize, const L: usize, const D: usize>(
+    window: &Window<'_>,
+    weights: &[[f64; N]; D],
+) -> f64 {
+    let mut value = [0.0; L];
+    for k in 0..N {
+        let mut sum = [0.0; L];
+        for j in 0..N.pow(D as u32 - 2) {
+            let row = if D == 3 { window.row::<L>(j, k) } else { window.row::<L>(k, 0) };
+            let weight = if D == 3 { weights[1][j] } else { 1.0 };
+            for i in 0..L {
+                sum[i] += weight * row[i];
+            }
+        }
+        for i in 0..L {
+            value[i] += weights[D - 1][k] * sum[i];
+        }
+    }
+    (0..N).map(|i| weights[0][i] * value[i]).sum()
+}
+
 /// Product of the weights along the axes across a row of four points.
 #[inline(always)]
 fn row_weight<const D: usize>(row: usize, weights: &[[f64; 4]; D]) -> f64 {

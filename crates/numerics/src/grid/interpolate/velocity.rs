@@ -43,6 +43,36 @@ impl<'a, const D: usize> VelocitySampler<'a, D> {
         Vector::from_fn(|a, _| self.axes[a].linear_at(of_component(&base, a), &of_component(&t, a)))
     }
 
+    /// The linearly interpolated velocity at the centre of a cell.
+    #[inline]
+    pub fn at_cell(&self, at: [usize; D]) -> Vector<D> {
+        Vector::from_fn(|a, _| {
+            let Sampler { data, lattice, .. } = &self.axes[a];
+            let lower = lattice.index(at);
+            0.5 * (data[lower] + data[lower + lattice.stride[a]])
+        })
+    }
+
+    /// The linearly interpolated velocity at the centre of a face normal to `axis`.
+    #[inline]
+    pub fn at_face(&self, axis: usize, at: [usize; D]) -> Vector<D> {
+        let faces = self.axes[axis].lattice.extent[axis];
+        Vector::from_fn(|a, _| {
+            let Sampler { data, lattice, .. } = &self.axes[a];
+            if a == axis {
+                return data[lattice.index(at)];
+            }
+            // Beyond a side lies the mirror image.
+            let mut cell = at;
+            cell[axis] = at[axis].min(faces - 2);
+            let upper = lattice.index(cell);
+            cell[axis] = at[axis].saturating_sub(1);
+            let lower = lattice.index(cell);
+            let up = lattice.stride[a];
+            0.25 * ((data[lower] + data[lower + up]) + (data[upper] + data[upper + up]))
+        })
+    }
+
     /// For each axis the lattice cells that contain a point, and its coordinates in them.
     #[inline(always)]
     fn locate(&self, x: &Vector<D>) -> ([Places<isize>; D], [Places<f64>; D]) {
