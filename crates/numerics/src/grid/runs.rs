@@ -136,9 +136,9 @@ mod tests {
         let mut phi = vec![1.0; lattice.len()];
         inside.iter().for_each(|c| phi[*c] = -1.0);
         let cells = Tiles::all(grid).negative_runs(&phi);
-        let found = cells.with_neighbours(&grid).into_iter().flat_map(|s| s.row * 6 + s.start..s.row * 6 + s.end);
-        let mut all: Vec<usize> =
-            inside.iter().flat_map(|c| lattice.neighbours(*c).chain([*c])).collect();
+        let found =
+            cells.with_neighbours(&grid).into_iter().flat_map(|s| s.row * 6 + s.start..s.row * 6 + s.end);
+        let mut all: Vec<usize> = inside.iter().flat_map(|c| lattice.neighbours(*c).chain([*c])).collect();
         all.sort_unstable();
         all.dedup();
         assert_eq!(found.collect::<Vec<_>>(), all);

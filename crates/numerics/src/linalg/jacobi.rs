@@ -4,6 +4,9 @@ use super::operator::Preconditioner;
 use super::vectors;
 use rayon::prelude::*;
 
+/// Entries per task.
+const CHUNK: usize = 1 << 14;
+
 /// Division by the diagonal.
 #[derive(Clone, Debug)]
 pub struct Jacobi {
@@ -13,14 +16,14 @@ pub struct Jacobi {
 impl Jacobi {
     /// Inverts the operator's diagonal; entries that are not positive get the inverse 0.
     pub fn new(diagonal: &[f64]) -> Self {
-        let inverse = diagonal.iter().map(|d| if *d > 0.0 { 1.0 / d } else { 0.0 }).collect();
+        let of = |d: &f64| if *d > 0.0 { 1.0 / d } else { 0.0 };
+        let inverse = diagonal.par_iter().with_min_len(CHUNK).map(of).collect();
         Self { inverse }
     }
 }
 
 impl Preconditioner for Jacobi {
     fn apply(&self, r: &[f64], z: &mut [f64]) -> f64 {
-        const CHUNK: usize = 1 << 14;
         let inverse = self.inverse.par_chunks(CHUNK);
         let parts: Vec<f64> = z
             .par_chunks_mut(CHUNK)

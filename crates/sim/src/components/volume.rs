@@ -147,15 +147,16 @@ pub fn band_labels<const D: usize>(
 ) -> Vec<u32> {
     let lattice = model.grid.lattice();
     let rows = liquid.row_starts(&model.grid);
-    let mut labels = vec![u32::MAX; band.cells.len()];
-    for (i, &cell) in band.cells.iter().enumerate() {
-        if phi.data[cell as usize] < 0.0 {
-            let (row, x) = (cell as usize / lattice.extent[0], cell % lattice.extent[0] as u32);
-            let runs = &liquid.runs[rows[row]..rows[row + 1]];
-            let k = runs.partition_point(|r| r.end <= x);
-            labels[i] = runs.get(k).filter(|r| r.start <= x).map_or(u32::MAX, |r| r.component);
+    let own = |&cell: &u32| {
+        if phi.data[cell as usize] >= 0.0 {
+            return u32::MAX;
         }
-    }
+        let (row, x) = (cell as usize / lattice.extent[0], cell % lattice.extent[0] as u32);
+        let runs = &liquid.runs[rows[row]..rows[row + 1]];
+        let k = runs.partition_point(|r| r.end <= x);
+        runs.get(k).filter(|r| r.start <= x).map_or(u32::MAX, |r| r.component)
+    };
+    let mut labels: Vec<u32> = band.cells.par_iter().with_min_len(1024).map(own).collect();
     for i in 0..band.cells.len() {
         if labels[i] == u32::MAX {
             let near = |n: usize| band.slot(n).map(|s| labels[s]).filter(|l| *l != u32::MAX);

@@ -141,21 +141,19 @@ fn gather<const D: usize>(
     };
     let value = |i: usize, a: usize| if i > 0 { value_at(place(i), a) } else { 0.0 };
     let mut x = vec![0.0; cells.len() * D];
-    x.par_chunks_mut(D).zip(cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(
-        |(i, (x, cell))| {
-            let at = place(i);
-            for a in (0..D).filter(|_| i > 0) {
-                if !cell.is_unknown[a] || cell.face_mass[a] > 0.0 {
-                    x[a] = value_at(at, a);
-                    continue;
-                }
-                let near = cell.next.iter().flatten().map(|n| *n as usize);
-                let known = near.filter(|n| cells[*n].face_mass[a] > 0.0);
-                let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + value(n, a), c + 1.0));
-                x[a] = sum / f64::max(count, 1.0);
+    x.par_chunks_mut(D).zip(cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(|(i, (x, cell))| {
+        let at = place(i);
+        for a in (0..D).filter(|_| i > 0) {
+            if !cell.is_unknown[a] || cell.face_mass[a] > 0.0 {
+                x[a] = value_at(at, a);
+                continue;
             }
-        },
-    );
+            let near = cell.next.iter().flatten().map(|n| *n as usize);
+            let known = near.filter(|n| cells[*n].face_mass[a] > 0.0);
+            let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + value(n, a), c + 1.0));
+            x[a] = sum / f64::max(count, 1.0);
+        }
+    });
     x
 }
 

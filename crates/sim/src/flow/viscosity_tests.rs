@@ -133,7 +133,8 @@ fn deep_stretches_are_the_general_operator<const D: usize>() {
     // Of another stiffness no cell is deep.
     let operators = [3.0, f64::NAN].map(|stiffness| ViscousOperator::new(cells.clone(), stiffness));
     assert!(operators[0].deep_cells() > places.list.len() / 8 && operators[1].deep_cells() == 0);
-    let x: Vec<f64> = (0..operators[0].size()).map(|i| if i < D { 0.0 } else { (0.7 * i as f64).sin() }).collect();
+    let x: Vec<f64> =
+        (0..operators[0].size()).map(|i| if i < D { 0.0 } else { (0.7 * i as f64).sin() }).collect();
     let [deep, general] = operators.map(|operator| {
         let mut image = vec![0.0; x.len()];
         operator.apply(&x, &mut image);

@@ -30,13 +30,7 @@ pub struct Cell<const D: usize> {
 impl<const D: usize> Cell<D> {
     /// A cell without liquid.
     pub fn empty() -> Self {
-        Self {
-            next: [[0; 2]; D],
-            normal: 0.0,
-            shear: [0.0; D],
-            face_mass: [0.0; D],
-            is_unknown: [false; D],
-        }
+        Self { next: [[0; 2]; D], normal: 0.0, shear: [0.0; D], face_mass: [0.0; D], is_unknown: [false; D] }
     }
 
     /// A cell in the middle of liquid; `stiffness` is `ν h/Δ²`.
@@ -138,14 +132,12 @@ impl<const D: usize> ViscousOperator<D> {
             }
             sum
         };
-        self.cells
-            .par_iter()
-            .with_min_len(CELLS_PER_TASK)
-            .flat_map_iter(|c| (0..D).map(move |a| of(c, a)))
-            .collect()
+        let mut diagonal = vec![0.0; self.size()];
+        let cells = diagonal.par_chunks_mut(D).zip(&self.cells).with_min_len(CELLS_PER_TASK);
+        cells.for_each(|(entries, c)| entries.iter_mut().enumerate().for_each(|(a, d)| *d = of(c, a)));
+        diagonal
     }
 }
-
 
 impl<const D: usize> Shifts<D> {
     fn of(cells: &[Cell<D>], i: usize) -> Self {
@@ -217,12 +209,7 @@ fn strain_rates<const D: usize>(c: &Cell<D>, i: usize, u: &[[f64; D]]) -> [[f64;
 
 /// The operator in the cell `i`.
 #[inline(always)]
-fn divergence<const D: usize>(
-    c: &Cell<D>,
-    i: usize,
-    u: &[[f64; D]],
-    strain: &[[[f64; D]; 2]],
-) -> [f64; D] {
+fn divergence<const D: usize>(c: &Cell<D>, i: usize, u: &[[f64; D]], strain: &[[[f64; D]; 2]]) -> [f64; D] {
     let (here, mut v) = (&strain[i], [0.0; D]);
     for a in 0..D {
         v[a] = c.face_mass[a] * u[i][a] + strain[c.next[a][0] as usize][0][a] - here[0][a];
@@ -255,7 +242,8 @@ fn apply_deep<const D: usize>(
         }
         for &(p, q, _) in rotation_planes::<D>() {
             // Strain rates at the lower edge of the cell, and at those of the upper neighbours along q and p.
-            let ([left, right], [below, above]) = (next[p].map(|side| &side[i]), next[q].map(|side| &side[i]));
+            let ([left, right], [below, above]) =
+                (next[p].map(|side| &side[i]), next[q].map(|side| &side[i]));
             let own = stiffness * (h[p] - below[p] + h[q] - left[q]);
             let up_q = stiffness * (above[p] - h[p] + above[q] - corner[p][q][i][q]);
             let up_p = stiffness * (right[p] - corner[q][p][i][p] + right[q] - h[q]);

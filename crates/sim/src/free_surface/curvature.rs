@@ -201,8 +201,11 @@ fn filter_curvature<const D: usize>(
     step: &FilterStep<D>,
     repairs: &mut Repairs,
 ) -> Vec<f64> {
+    // All that is added to the curvature need be known to its tolerance alone.
+    let scale = graph.norm_squared(raw);
     let mut filter = |values: &[f64], width: f64| {
-        let FilterResult { values, residual, converged } = graph.filter(values, width);
+        let scale = scale.max(graph.norm_squared(values));
+        let FilterResult { values, residual, converged } = graph.filter(values, width, scale);
         if !converged {
             repairs.filter_unconverged += 1;
             repairs.filter_residual = repairs.filter_residual.max(residual);

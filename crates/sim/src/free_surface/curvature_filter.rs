@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 /// Surface measure, in cells², below which a cell is left out.
 const MIN_SURFACE_MEASURE_CELLS2: f64 = 0.004;
-/// Tolerance of the filter's solve: relative residual.
+/// Tolerance of the filter's solve: residual relative to the norm that the caller gives.
 const TOLERANCE: f64 = 1e-8;
 /// Maximum number of its iterations.
 const MAX_ITERATIONS: usize = 500;
@@ -29,7 +29,7 @@ type Complex = [f64; 2];
 pub struct FilterResult {
     /// Filtered values.
     pub values: Vec<f64>,
-    /// Final relative residual of the solve.
+    /// Final residual of the solve, relative to the norm that the caller gave.
     pub residual: f64,
     /// Whether the solve converged within the maximum number of iterations.
     pub converged: bool,
@@ -71,8 +71,14 @@ impl Graph {
         (0..v.len()).map(row).collect()
     }
 
-    /// `F v = (W + s² L W⁻¹ L)⁻¹ W v = Re (W + i s L)⁻¹ W v` by conjugate gradients for complex symmetric matrices, started from `v`.
-    pub fn filter(&self, v: &[f64], s: f64) -> FilterResult {
+    /// `|W v|²`.
+    pub fn norm_squared(&self, v: &[f64]) -> f64 {
+        v.iter().zip(&self.measure).map(|(v, w)| (v * w).powi(2)).sum()
+    }
+
+    /// `F v = (W + s² L W⁻¹ L)⁻¹ W v = Re (W + i s L)⁻¹ W v` by conjugate gradients for complex symmetric matrices, started from `v`. The
+    /// residual is relative to the root of `scale`, usually [`Self::norm_squared`] of `v`.
+    pub fn filter(&self, v: &[f64], s: f64, scale: f64) -> FilterResult {
         let n = v.len();
         let diagonal: Vec<Complex> = (0..n)
             .map(|i| [self.measure[i], s * self.links[i].iter().map(|l| l.1 as f64).sum::<f64>()])
@@ -82,7 +88,6 @@ impl Graph {
         self.multiply(s, &x, &mut q);
         let mut r: Vec<Complex> = (0..n).map(|i| [self.measure[i] * v[i] - q[i][0], -q[i][1]]).collect();
         let mut p: Vec<Complex> = (0..n).map(|i| over(r[i], diagonal[i])).collect();
-        let scale: f64 = v.iter().zip(&self.measure).map(|(v, w)| (v * w).powi(2)).sum();
         let start = par::sums(n, |i| with_square(times(r[i], p[i]), r[i]));
         let (mut rho, mut square) = ([start[0], start[1]], start[2]);
         for _ in 0..MAX_ITERATIONS {
@@ -197,15 +202,19 @@ mod tests {
         Graph { slots: (0..n as u32).collect(), measure, links }
     }
 
+    fn filtered(graph: &Graph, v: &[f64], s: f64) -> FilterResult {
+        graph.filter(v, s, graph.norm_squared(v))
+    }
+
     #[test]
     fn a_constant_passes_and_the_force_is_conserved() {
         let graph = ring(5000);
-        let constant = graph.filter(&vec![0.7; 5000], 3.0).values;
+        let constant = filtered(&graph, &vec![0.7; 5000], 3.0).values;
         assert!(constant.iter().all(|v| (v - 0.7).abs() < 1e-12));
         let noise: Vec<f64> = (0..5000).map(|i| (i as f64 * 12.9898).sin()).collect();
         let force = |v: &[f64]| v.iter().zip(&graph.measure).map(|(v, w)| v * w).sum::<f64>();
-        let smooth = graph.filter(&noise, 3.0);
-        assert!(smooth.converged && !graph.filter(&noise, 1e9).converged);
+        let smooth = filtered(&graph, &noise, 3.0);
+        assert!(smooth.converged && !filtered(&graph, &noise, 1e9).converged);
         let smooth = smooth.values;
         let size = noise.iter().zip(&graph.measure).map(|(v, w)| (v * w).abs()).sum::<f64>();
         assert!((force(&smooth) - force(&noise)).abs() < 1e-6 * size);
@@ -216,7 +225,7 @@ mod tests {
         // W v' + s² L W⁻¹ L v' = W v
         let graph = ring(300);
         let v: Vec<f64> = (0..300).map(|i| (i as f64 * 0.9).sin()).collect();
-        let (s, out) = (2.0, graph.filter(&v, 2.0).values);
+        let (s, out) = (2.0, filtered(&graph, &v, 2.0).values);
         let twice = graph.laplacian(&graph.laplacian(&out));
         for i in 0..300 {
             assert!((out[i] + s * s * twice[i] - v[i]).abs() < 1e-5, "{i}");

@@ -11,7 +11,9 @@ pub use velocity::VelocitySampler;
 
 use super::{Grid, Lattice};
 use crate::Vector;
-use stencil::{Stencil, Window, contract, contract_rows, contract_with_gradient, contract_within_range, dot, transposed};
+use stencil::{
+    Stencil, Window, contract, contract_rows, contract_with_gradient, contract_within_range, dot, transposed,
+};
 use weights::{
     MAX_SMOOTH_THIRD_DIFFERENCE_CELLS, cubic_weight_derivatives, cubic_weights, eno_cubic_weights,
     kink_indicator, max_third_difference, quintic_weights,
@@ -247,9 +249,8 @@ impl<'a, const D: usize> Sampler<'a, D> {
         base: [isize; D],
         mirrored: &'w mut Option<[[f64; L]; R]>,
     ) -> Window<'w> {
-        self.window::<N, L>(base).unwrap_or_else(|| {
-            Window::of_rows::<N, L>(mirrored.insert(self.mirrored_rows::<N, L, R>(base)))
-        })
+        self.window::<N, L>(base)
+            .unwrap_or_else(|| Window::of_rows::<N, L>(mirrored.insert(self.mirrored_rows::<N, L, R>(base))))
     }
 
     /// The values around a point, `N` along each axis, in rows of `L` lanes of which the first `N` count; `None` where they are not all

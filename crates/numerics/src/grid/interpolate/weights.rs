@@ -96,6 +96,7 @@ pub(super) fn kink_indicator<const D: usize>(rows: &Stencil) -> f64 {
 }
 
 /// Weights of the quintic through the points −2 ... 3 at `t`, and their derivatives, along each axis.
+#[inline(always)]
 pub(super) fn quintic_weights<const D: usize>(t: &[f64; D]) -> ([[f64; 6]; D], [[f64; 6]; D]) {
     const SCALE: [f64; 6] = [-1.0 / 120.0, 1.0 / 24.0, -1.0 / 12.0, 1.0 / 12.0, -1.0 / 24.0, 1.0 / 120.0];
     // A lane for each axis. Products of the distances to the points before and after each one, with derivatives.
@@ -123,21 +124,23 @@ pub(super) fn quintic_weights<const D: usize>(t: &[f64; D]) -> ([[f64; 6]; D], [
 }
 
 /// The largest third difference of a stencil.
+#[inline(always)]
 pub(super) fn max_third_difference<const D: usize>(rows: &Stencil) -> f64 {
     let mut worst = [0.0f64; 4];
-    let rows = &rows[..1 << (2 * (D - 1))];
-    for row in rows {
-        worst[0] = worst[0].max((3.0 * (row[1] - row[2]) + row[3] - row[0]).abs());
+    let larger = |a: f64, b: f64| if b > a { b } else { a };
+    let count = 1 << (2 * (D - 1));
+    for row in &rows[..count] {
+        worst[0] = larger(worst[0], (3.0 * (row[1] - row[2]) + row[3] - row[0]).abs());
     }
     for a in 1..D {
         let step = 1 << (2 * (a - 1));
-        for first in (0..rows.len()).filter(|r| r / step % 4 == 0) {
+        for first in (0..count).filter(|r| r / step % 4 == 0) {
             let line: [&[f64; 4]; 4] = std::array::from_fn(|k| &rows[first + k * step]);
             for i in 0..4 {
                 let third = 3.0 * (line[1][i] - line[2][i]) + line[3][i] - line[0][i];
-                worst[i] = worst[i].max(third.abs());
+                worst[i] = larger(worst[i], third.abs());
             }
         }
     }
-    worst[0].max(worst[1]).max(worst[2].max(worst[3]))
+    larger(larger(worst[0], worst[1]), larger(worst[2], worst[3]))
 }
