@@ -7,8 +7,8 @@ use meniscus_numerics::grid::{
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
-/// What the path that arrives at `x` after `dt` with the velocity `arrival` adds to the displacement `dt · arrival`, m (Ralston's third-order
-/// method).
+/// Terms of second and third order in `dt` of the displacement, m, along the path that arrives at `x` with the velocity `arrival`, by Ralston's
+/// third-order Runge–Kutta method. The term of first order is `dt · arrival`.
 fn path_bend<const D: usize>(
     x: &Vector<D>,
     arrival: &Vector<D>,
@@ -185,6 +185,15 @@ impl<const D: usize> CellPaths<D> {
     }
 }
 
+/// The cells of the liquid and their faces.
+#[derive(Clone, Copy)]
+pub struct LiquidFaces<'a, const D: usize> {
+    /// The cells.
+    pub cells: &'a Runs,
+    /// Their faces normal to each axis.
+    pub faces: &'a [Vec<Segment>; D],
+}
+
 /// The bends of the cells on both sides of the faces of a row.
 struct Beside<'a, const D: usize> {
     lower: &'a [Vector<D>],
@@ -218,19 +227,20 @@ impl<'a, const D: usize> Beside<'a, D> {
 /// Advected velocity on the faces of the `liquid`: one list of values per axis, segment after segment. `phi` is the signed distance before
 /// the step and after it, `cut` are the cells beside solids.
 ///
-/// The path that arrives at a face is bent as those at the two cells beside it in the mean. The difference from a path of its own is of
+/// The bend of the path that arrives at a face is the mean of those at the two cells beside it. The difference from a path of its own is of
 /// second order in the cell size and in the step.
 pub fn advect_velocity<const D: usize>(
     model: &Model<D>,
     phi: [&CellField<D>; 2],
     velocity: &FaceField<D>,
-    (liquid, faces): (&Runs, &[Vec<Segment>; D]),
+    liquid: LiquidFaces<'_, D>,
     cut: &CutCells<D>,
     dt: f64,
 ) -> [Vec<f64>; D] {
     let (grid, flow) = (&model.grid, model.velocity_sampler(velocity));
     let [before, after] = phi.map(|phi| Sampler::cells(grid, &phi.data, model.scalar_boundary()));
     let depths = Depths { cells_before: phi[0], before, after, cut };
+    let LiquidFaces { cells: liquid, faces } = liquid;
     let paths = CellPaths::new(grid, &flow, liquid, dt);
     std::array::from_fn(|axis| {
         let (lattice, cells) = (grid.face_lattice(axis), grid.lattice());
@@ -303,7 +313,7 @@ mod tests {
             }
             let segments = work.known_faces.liquid_faces().clone();
             let phis = [&state.phi, &phi];
-            let liquid = (&work.liquid, &segments);
+            let liquid = LiquidFaces { cells: &work.liquid, faces: &segments };
             let moved = advect_velocity(&model, phis, &state.velocity, liquid, &work.cut_cells, 0.1);
             for (a, axis) in moved.iter().enumerate() {
                 let row = model.grid.face_lattice(a).extent[0];

@@ -6,7 +6,7 @@
 use super::diagnostics::max_velocity_component;
 use super::workspace::Workspace;
 use crate::components::volume::band_labels;
-use crate::flow::advection::{advect_interface, advect_velocity, pack};
+use crate::flow::advection::{LiquidFaces, advect_interface, advect_velocity, pack};
 use crate::free_surface::curvature::InterfaceDisplacement;
 use crate::free_surface::extension::extend_into_solids;
 use crate::model::Model;
@@ -148,7 +148,8 @@ pub fn move_velocity<const D: usize>(
 ) {
     let faces: [Vec<Segment>; D] = std::array::from_fn(|a| work.liquid.faces(&model.grid, a));
     let phi = [&work.phi_before, &state.phi];
-    let values = advect_velocity(model, phi, &state.velocity, (&work.liquid, &faces), &work.cut_cells, dt);
+    let liquid = LiquidFaces { cells: &work.liquid, faces: &faces };
+    let values = advect_velocity(model, phi, &state.velocity, liquid, &work.cut_cells, dt);
     work.known_faces.clear_with_velocity(&mut state.velocity);
     for a in 0..D {
         let lattice = model.grid.face_lattice(a);
