@@ -34,6 +34,32 @@ pub fn for_each_segment<T: Send>(
     segments: &[Segment],
     f: impl Fn(&Segment, &mut [T]) + Sync,
 ) {
+    let parts = segment_parts(data, row_length, segments);
+    parts.into_par_iter().with_min_len(16).for_each(|(s, part)| f(s, part));
+}
+
+/// The same for `D` fields of `length` values one behind the other: `f` takes the number of the segment and the parts of all fields. Its
+/// results are returned in the order of the segments, all of which are of row 0.
+pub fn map_component_segments<T: Send, R: Send, const D: usize>(
+    data: &mut [T],
+    length: usize,
+    segments: &[Segment],
+    f: impl Fn(usize, &Segment, [&mut [T]; D]) -> R + Sync,
+) -> Vec<R> {
+    let mut fields = data.chunks_mut(length).map(|field| segment_parts(field, 0, segments).into_iter());
+    let mut fields: [_; D] = std::array::from_fn(|_| fields.next().into_iter().flatten());
+    let mut part = || fields.each_mut().map(|field| field.next().map_or(&mut [][..], |(_, part)| part));
+    let parts: Vec<_> = segments.iter().map(|s| (s, part())).collect();
+    let parts = parts.into_par_iter().enumerate().with_min_len(16);
+    parts.map(|(number, (s, parts))| f(number, s, parts)).collect()
+}
+
+/// The parts of `data` of sorted, disjoint segments.
+fn segment_parts<'s, 'd, T>(
+    data: &'d mut [T],
+    row_length: usize,
+    segments: &'s [Segment],
+) -> Vec<(&'s Segment, &'d mut [T])> {
     let mut parts = Vec::with_capacity(segments.len());
     let (mut rest, mut at) = (data, 0);
     for s in segments {
@@ -43,7 +69,7 @@ pub fn for_each_segment<T: Send>(
         parts.push((s, part));
         (rest, at) = (tail, s.row * row_length + s.end);
     }
-    parts.into_par_iter().with_min_len(16).for_each(|(s, part)| f(s, part));
+    parts
 }
 
 /// Number of threads on which parallel loops run.

@@ -9,6 +9,7 @@
 //!
 //! With these integrals a constant pressure exerts no force and no torque on a body, to rounding, and no surface has to be built.
 
+use super::boxes::{face_box, fill_box, par_lattice_points};
 use super::{FaceField, Grid, Lattice, Tiles};
 use crate::{Aabb, Matrix, Vector, rotation_planes};
 use rayon::prelude::*;
@@ -60,8 +61,10 @@ struct SurfaceIntegrals<const D: usize> {
 /// The faces and cells that solids cut.
 #[derive(Clone, Debug)]
 pub struct CutCells<const D: usize> {
-    /// Open fraction of every face, 0 to 1.
+    /// Open fraction of the faces of opened tiles, 0 to 1.
     pub open_fraction: FaceField<D>,
+    /// The tiles whose faces have been opened; solids may have closed them since.
+    opened: Tiles<D>,
     /// The cells with a wetted surface, sorted.
     pub cells: Vec<CutCell<D>>,
     /// Closed faces within four cells of a surface, per axis, sorted.
@@ -77,15 +80,33 @@ pub struct CutCells<const D: usize> {
 impl<const D: usize> CutCells<D> {
     /// No solid: all faces are open.
     pub fn uncut(grid: Grid<D>) -> Self {
-        let open_fraction =
-            FaceField { grid, axes: std::array::from_fn(|a| vec![1.0; grid.face_lattice(a).len()]) };
+        let mut all = Self::unopened(grid);
+        all.open_tiles(&Tiles::all(grid));
+        all
+    }
+
+    /// The same, but only the faces of tiles that are [opened](Self::open_tiles) have an open fraction; the others take no memory.
+    pub fn unopened(grid: Grid<D>) -> Self {
         Self {
-            open_fraction,
+            open_fraction: FaceField::zeros(grid),
+            opened: Tiles::none(grid),
             cells: Vec::new(),
             closed_faces: std::array::from_fn(|_| Vec::new()),
             corner_distances_cells: Vec::new(),
             center_distances_cells: Vec::new(),
             solid_boxes: Vec::new(),
+        }
+    }
+
+    /// Opens the faces of tiles that are not open yet. Every face belongs to the tile of the cell above it, or else below it.
+    pub fn open_tiles(&mut self, tiles: &Tiles<D>) {
+        let grid = self.open_fraction.grid;
+        for [low, high] in self.opened.add(tiles) {
+            for a in 0..D {
+                let mut high = high;
+                high[a] += usize::from(high[a] == grid.cells[a]);
+                fill_box(&mut self.open_fraction.axes[a], &grid.face_lattice(a), [low, high], 1.0);
+            }
         }
     }
 
@@ -109,6 +130,8 @@ impl<const D: usize> CutCells<D> {
             take_min_distance(solid, grid.dx, [*low, past], corner, &mut self.corner_distances_cells);
             take_min_distance(solid, grid.dx, [*low, *high], center, &mut self.center_distances_cells);
         }
+        let faces: Vec<_> = self.solid_boxes.iter().map(|[low, high]| [*low, high.map(|n| n + 1)]).collect();
+        self.open_tiles(&tiles.dilated().within(&faces));
         for cells in self.solid_boxes.clone() {
             self.update_open_fractions(cells, tiles);
         }
@@ -385,51 +408,6 @@ fn cells_around<const D: usize>(grid: &Grid<D>, bounds: Aabb<D>) -> [[usize; D];
     let high: [usize; D] =
         std::array::from_fn(|a| clamp(a, (bounds[1][a] / grid.dx).ceil() + DISTANCE_MARGIN_CELLS));
     [low, std::array::from_fn(|a| high[a].max(low[a]))]
-}
-
-/// The faces normal to `axis` of the cells of a box.
-fn face_box<const D: usize>([low, mut high]: [[usize; D]; 2], axis: usize) -> [[usize; D]; 2] {
-    high[axis] += 1;
-    [low, high]
-}
-
-/// The lattice points of a box, the first axis varying fastest.
-pub fn lattice_points<const D: usize>(cells: [[usize; D]; 2]) -> impl Iterator<Item = [usize; D]> {
-    let (count, place) = point_numbering(cells);
-    (0..count).map(place)
-}
-
-/// The same in parallel.
-pub fn par_lattice_points<const D: usize>(
-    cells: [[usize; D]; 2],
-) -> impl IndexedParallelIterator<Item = [usize; D]> {
-    let (count, place) = point_numbering(cells);
-    (0..count).into_par_iter().with_min_len(256).map(place)
-}
-
-/// The number of lattice points of a box, and the map from number to point.
-fn point_numbering<const D: usize>([low, high]: [[usize; D]; 2]) -> (usize, impl Fn(usize) -> [usize; D]) {
-    let inner = Lattice::new(std::array::from_fn::<_, D, _>(|a| high[a] - low[a]));
-    let place = move |i| {
-        let at = inner.coordinates(i);
-        std::array::from_fn(|a| low[a] + at[a])
-    };
-    (inner.len(), place)
-}
-
-/// Sets all points of a box to a value.
-fn fill_box<const D: usize>(
-    values: &mut [f64],
-    lattice: &Lattice<D>,
-    [low, high]: [[usize; D]; 2],
-    value: f64,
-) {
-    let mut ends = high;
-    ends[0] = low[0] + usize::from(high[0] > low[0]);
-    for start in lattice_points([low, ends]) {
-        let first = lattice.index(start);
-        values[first..first + high[0] - low[0]].fill(value);
-    }
 }
 
 /// Part of the unit edge where a linear function is positive: its length and centroid.

@@ -1,6 +1,7 @@
 //! The staggered (MAC) grid: cubic cells, values at cell centres and on faces.
 
 mod band;
+mod boxes;
 mod components;
 mod cut_cells;
 mod field;
@@ -11,7 +12,8 @@ mod tiles;
 mod velocity_extension;
 
 pub use band::Band;
-pub use cut_cells::{CutCell, CutCells, EmbeddedBoundary, lattice_points, par_lattice_points};
+pub use boxes::{lattice_points, par_lattice_points};
+pub use cut_cells::{CutCell, CutCells, EmbeddedBoundary};
 pub use field::{CellField, FaceField};
 pub use interpolate::{BoundaryExtension, Sampler, VelocitySampler};
 pub use runs::{Run, Runs, Segment};

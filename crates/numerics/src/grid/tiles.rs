@@ -3,7 +3,7 @@
 //! Fields are stored densely. Sweeps run only over the tiles of 8 cells a side that contain liquid, and their neighbours.
 //! Their cost therefore scales with the liquid and not with the domain.
 
-use super::{Grid, Lattice, Run, Runs};
+use super::{Grid, Lattice, Run, Runs, lattice_points};
 use crate::grid::Segment;
 use rayon::prelude::*;
 
@@ -23,6 +23,41 @@ impl<const D: usize> Tiles<D> {
     pub fn all(grid: Grid<D>) -> Self {
         let lattice = Lattice::new(grid.cells.map(|n| n.div_ceil(TILE_CELLS)));
         Self { grid, lattice, active: vec![true; lattice.len()] }
+    }
+
+    /// No tile.
+    pub fn none(grid: Grid<D>) -> Self {
+        let mut tiles = Self::all(grid);
+        tiles.active.fill(false);
+        tiles
+    }
+
+    /// Those of these tiles with a cell in a box (lower corner, and one past the upper corner).
+    pub fn within(&self, boxes: &[[[usize; D]; 2]]) -> Self {
+        let mut active = vec![false; self.lattice.len()];
+        for [low, high] in boxes.iter().filter(|[low, high]| (0..D).all(|a| low[a] < high[a])) {
+            let last: [usize; D] = std::array::from_fn(|a| {
+                let last = (high[a] - 1) / TILE_CELLS + 1;
+                last.min(self.lattice.extent[a])
+            });
+            for tile in lattice_points([low.map(|i| i / TILE_CELLS), last]) {
+                let tile = self.lattice.index(tile);
+                active[tile] = self.active[tile];
+            }
+        }
+        Self { grid: self.grid, lattice: self.lattice, active }
+    }
+
+    /// Adds tiles, and returns the boxes of cells of those that are new.
+    pub fn add(&mut self, more: &Self) -> Vec<[[usize; D]; 2]> {
+        let mut new = Vec::new();
+        for tile in (0..self.lattice.len()).filter(|t| more.active[*t]) {
+            if !std::mem::replace(&mut self.active[tile], true) {
+                let low = self.lattice.coordinates(tile).map(|i| i * TILE_CELLS);
+                new.push([low, std::array::from_fn(|a| (low[a] + TILE_CELLS).min(self.grid.cells[a]))]);
+            }
+        }
+        new
     }
 
     /// Those of these tiles that contain a negative value, and all their neighbours.

@@ -258,23 +258,7 @@ impl<const D: usize> VelocityExtension<D> {
 
 /// Unit normal away from the liquid at a face; zero where φ is constant.
 fn face_normal<const D: usize>(axis: usize, at: [usize; D], distance: &Sampler<'_, D>) -> [f64; D] {
-    let upper = at.map(|i| i as isize);
-    let mut lower = upper;
-    lower[axis] -= 1;
-    let mut normal = [0.0; D];
-    for b in 0..D {
-        normal[b] = if b == axis {
-            distance.value(upper) - distance.value(lower)
-        } else {
-            let slope = |mut cell: [isize; D]| {
-                cell[b] += 1;
-                let up = distance.value(cell);
-                cell[b] -= 2;
-                up - distance.value(cell)
-            };
-            0.25 * (slope(upper) + slope(lower))
-        };
-    }
+    let normal = distance.face_differences(axis, at);
     let norm = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
     if norm > 0.0 { normal.map(|n| n / norm) } else { normal }
 }

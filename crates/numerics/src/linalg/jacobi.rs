@@ -1,7 +1,7 @@
 //! The Jacobi preconditioner.
 
 use super::operator::Preconditioner;
-use super::vectors;
+use super::{Real, vectors};
 use rayon::prelude::*;
 
 /// Entries per task.
@@ -9,30 +9,35 @@ const CHUNK: usize = 1 << 14;
 
 /// Division by the diagonal.
 #[derive(Clone, Debug)]
-pub struct Jacobi {
-    inverse: Vec<f64>,
+pub struct Jacobi<T: Real = f64> {
+    inverse: Vec<T>,
 }
 
-impl Jacobi {
+impl<T: Real> Jacobi<T> {
     /// Inverts the operator's diagonal; entries that are not positive get the inverse 0.
     pub fn new(diagonal: &[f64]) -> Self {
-        let of = |d: &f64| if *d > 0.0 { 1.0 / d } else { 0.0 };
+        let of = |d: &f64| T::from_f64(if *d > 0.0 { 1.0 / d } else { 0.0 });
         let inverse = diagonal.par_iter().with_min_len(CHUNK).map(of).collect();
         Self { inverse }
     }
 }
 
-impl Preconditioner for Jacobi {
-    fn apply(&self, r: &[f64], z: &mut [f64]) -> f64 {
+impl<T: Real> Preconditioner<T> for Jacobi<T> {
+    fn apply(&self, r: &[T], z: &mut [T]) -> f64 {
         let inverse = self.inverse.par_chunks(CHUNK);
         let parts: Vec<f64> = z
             .par_chunks_mut(CHUNK)
             .zip(r.par_chunks(CHUNK).zip(inverse))
             .map(|(z, (r, inverse))| {
-                z.iter_mut().zip(r.iter().zip(inverse)).for_each(|(z, (r, i))| *z = r * i);
+                z.iter_mut().zip(r.iter().zip(inverse)).for_each(|(z, (r, i))| *z = *r * *i);
                 vectors::dot_serial(z, r)
             })
             .collect();
         parts.iter().sum()
+    }
+
+    fn subtract_and_apply(&self, alpha: f64, q: &mut [T], r: &mut [T]) -> (f64, Option<f64>) {
+        let [square, product] = vectors::subtract_scaled_and_multiply(alpha, &self.inverse, q, r);
+        (square, Some(product))
     }
 }

@@ -1,24 +1,29 @@
 //! Linear operators and preconditioners, and the results of solvers.
 
+use super::{Real, vectors};
 use thiserror::Error;
 
 /// A symmetric operator on vectors of [`size`](Self::size) entries; each solver says whether it has to be positive (semi-)definite.
-pub trait LinearOperator: Sync {
+pub trait LinearOperator<T: Real = f64>: Sync {
     /// Number of unknowns.
     fn size(&self) -> usize;
     /// `y = A x`.
-    fn apply(&self, x: &[f64], y: &mut [f64]);
+    fn apply(&self, x: &[T], y: &mut [T]);
     /// `y = A x`; returns `x · y`.
-    fn apply_dot(&self, x: &[f64], y: &mut [f64]) -> f64 {
+    fn apply_dot(&self, x: &[T], y: &mut [T]) -> f64 {
         self.apply(x, y);
-        super::vectors::dot(x, y)
+        vectors::dot(x, y)
     }
 }
 
 /// A symmetric positive definite approximation of the inverse of an operator.
-pub trait Preconditioner: Sync {
+pub trait Preconditioner<T: Real = f64>: Sync {
     /// `z ≈ A⁻¹ r`; returns `r · z`.
-    fn apply(&self, r: &[f64], z: &mut [f64]) -> f64;
+    fn apply(&self, r: &[T], z: &mut [T]) -> f64;
+    /// `r −= α q`; returns `r · r`. One that acts entry by entry sets `q = z ≈ A⁻¹ r` in the same pass, and returns `r · z`.
+    fn subtract_and_apply(&self, alpha: f64, q: &mut [T], r: &mut [T]) -> (f64, Option<f64>) {
+        (vectors::subtract_scaled(alpha, q, r), None)
+    }
 }
 
 /// When an iterative solve ends.

@@ -1,5 +1,6 @@
 //! Loops over whole vectors; sums are taken in an order that does not depend on the number of threads.
 
+use super::Real;
 use rayon::prelude::*;
 
 /// Entries per task.
@@ -8,16 +9,16 @@ const CHUNK: usize = 1 << 14;
 const PARTIAL_SUMS: usize = 16;
 
 /// `a · b` on one thread.
-pub(super) fn dot_serial(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot_serial<T: Real>(a: &[T], b: &[T]) -> f64 {
     let (a_blocks, a_rest) = a.as_chunks::<PARTIAL_SUMS>();
     let (b_blocks, b_rest) = b.as_chunks::<PARTIAL_SUMS>();
     let mut sums = [0.0; PARTIAL_SUMS];
     for (a, b) in a_blocks.iter().zip(b_blocks) {
         for i in 0..PARTIAL_SUMS {
-            sums[i] += a[i] * b[i];
+            sums[i] += a[i].to_f64() * b[i].to_f64();
         }
     }
-    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
+    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a.to_f64() * b.to_f64()).sum::<f64>()
 }
 
 /// Adds the products of the entries of `a` and `b`, whose length is a multiple of `N`, to sums by lane.
@@ -31,7 +32,7 @@ pub(super) fn dot_lanes<const N: usize>(a: &[f64], b: &[f64], sums: &mut [f64; N
 }
 
 /// `a · b`.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
     if a.len() <= CHUNK {
         return dot_serial(a, b);
     }
@@ -56,38 +57,88 @@ pub(super) fn scaled_residual(scale: f64, b: &[f64], q: &[f64], r: &mut [f64]) -
 }
 
 /// `r −= α q`; returns `r · r`.
-pub(super) fn subtract_scaled(alpha: f64, q: &[f64], r: &mut [f64]) -> f64 {
+pub(super) fn subtract_scaled<T: Real>(alpha: f64, q: &[T], r: &mut [T]) -> f64 {
+    let alpha = T::from_f64(alpha);
     let parts: Vec<f64> = r
         .par_chunks_mut(CHUNK)
         .zip(q.par_chunks(CHUNK))
         .map(|(r, q)| {
-            r.iter_mut().zip(q).for_each(|(r, q)| *r -= alpha * q);
+            r.iter_mut().zip(q).for_each(|(r, q)| *r = *r - alpha * *q);
             dot_serial(r, r)
         })
         .collect();
     parts.iter().sum()
 }
 
+/// `r −= α q`, then `q = d r`; returns `r · r` and `r · q`.
+pub(super) fn subtract_scaled_and_multiply<T: Real>(
+    alpha: f64,
+    d: &[T],
+    q: &mut [T],
+    r: &mut [T],
+) -> [f64; 2] {
+    let alpha = T::from_f64(alpha);
+    let parts: Vec<[f64; 2]> = r
+        .par_chunks_mut(CHUNK)
+        .zip(q.par_chunks_mut(CHUNK).zip(d.par_chunks(CHUNK)))
+        .map(|(r, (q, d))| {
+            let mut sums = [[0.0; PARTIAL_SUMS]; 2];
+            let mut entry = |l: usize, r: &mut T, q: &mut T, d: T| {
+                *r = *r - alpha * *q;
+                *q = d * *r;
+                sums[0][l] += r.to_f64() * r.to_f64();
+                sums[1][l] += r.to_f64() * q.to_f64();
+            };
+            let (r_blocks, r_rest) = r.as_chunks_mut::<PARTIAL_SUMS>();
+            let (q_blocks, q_rest) = q.as_chunks_mut::<PARTIAL_SUMS>();
+            let (d_blocks, d_rest) = d.as_chunks::<PARTIAL_SUMS>();
+            for ((r, q), d) in r_blocks.iter_mut().zip(q_blocks).zip(d_blocks) {
+                for l in 0..PARTIAL_SUMS {
+                    entry(l, &mut r[l], &mut q[l], d[l]);
+                }
+            }
+            for (l, ((r, q), d)) in r_rest.iter_mut().zip(q_rest).zip(d_rest).enumerate() {
+                entry(l, r, q, *d);
+            }
+            sums.map(|lanes| lanes.iter().sum())
+        })
+        .collect();
+    parts.iter().fold([0.0; 2], |sums, part| [sums[0] + part[0], sums[1] + part[1]])
+}
+
+/// The entries of `v` in another precision.
+pub(super) fn converted<T: Real, U: Real>(v: &[T]) -> Vec<U> {
+    v.par_iter().with_min_len(CHUNK).map(|v| U::from_f64(v.to_f64())).collect()
+}
+
 /// `p = z`.
-pub(super) fn copy(z: &[f64], p: &mut [f64]) {
+pub(super) fn copy<T: Real>(z: &[T], p: &mut [T]) {
     p.par_chunks_mut(CHUNK).zip(z.par_chunks(CHUNK)).for_each(|(p, z)| p.copy_from_slice(z));
 }
 
 /// `x += α p`, then `p = z + β p`.
-pub(super) fn update_iterate_and_direction(alpha: f64, beta: f64, z: &[f64], x: &mut [f64], p: &mut [f64]) {
+pub(super) fn update_iterate_and_direction<T: Real>(
+    alpha: f64,
+    beta: f64,
+    z: &[T],
+    x: &mut [T],
+    p: &mut [T],
+) {
+    let [alpha, beta] = [alpha, beta].map(T::from_f64);
     x.par_chunks_mut(CHUNK).zip(p.par_chunks_mut(CHUNK).zip(z.par_chunks(CHUNK))).for_each(|(x, (p, z))| {
         for ((x, p), z) in x.iter_mut().zip(p.iter_mut()).zip(z) {
-            *x += alpha * *p;
-            *p = z + beta * *p;
+            *x = *x + alpha * *p;
+            *p = *z + beta * *p;
         }
     });
 }
 
 /// `x += α p`.
-pub(super) fn axpy(alpha: f64, p: &[f64], x: &mut [f64]) {
+pub(super) fn axpy<T: Real>(alpha: f64, p: &[T], x: &mut [T]) {
+    let alpha = T::from_f64(alpha);
     x.par_chunks_mut(CHUNK)
         .zip(p.par_chunks(CHUNK))
-        .for_each(|(x, p)| x.iter_mut().zip(p).for_each(|(x, p)| *x += alpha * p));
+        .for_each(|(x, p)| x.iter_mut().zip(p).for_each(|(x, p)| *x = *x + alpha * *p));
 }
 
 /// `p ← factor p`, and `v ← factor v`.

@@ -20,14 +20,14 @@ fn path_bend<const D: usize>(
     ((second - arrival) * 3.0 + (third - arrival) * 4.0) * (dt / 9.0)
 }
 
-/// Departure point of the path that arrives at `x` after `dt`.
+/// Departure point of the path that arrives at `x` with the velocity `arrival` after `dt`.
 fn departure_point<const D: usize>(
     x: &Vector<D>,
+    arrival: &Vector<D>,
     dt: f64,
     velocity: impl Fn(&Vector<D>) -> Vector<D>,
 ) -> Vector<D> {
-    let arrival = velocity(x);
-    x - arrival * dt - path_bend(x, &arrival, dt, velocity)
+    x - arrival * dt - path_bend(x, arrival, dt, velocity)
 }
 
 /// Distance from the interface, in cells, within which paths use cubic interpolation of the velocity.
@@ -72,17 +72,18 @@ pub fn advect_interface<const D: usize>(
             if slot < first && value >= 0.0 && distance.gradient(at).norm() < RIDGE_GRADIENT_NORM {
                 let liquid = lattice.neighbours(cell as usize).filter(|n| phi.data[*n] < 0.0);
                 let fronts = liquid.map(|n| {
-                    let beside = grid.center(lattice.coordinates(n));
-                    distance.distance(&(x + departure_point(&beside, dt, |x| flow.cubic(x)) - beside))
+                    let liquid = lattice.coordinates(n);
+                    let (beside, arrival) = (grid.center(liquid), flow.cubic_at_cell(liquid));
+                    let departure = departure_point(&beside, &arrival, dt, |x| flow.cubic(x));
+                    distance.distance(&(x + departure - beside))
                 });
                 return fronts.fold(f64::INFINITY, f64::min);
             }
             let near = value.abs() < CUBIC_INTERPOLATION_DISTANCE_CELLS * grid.dx;
             let from = if near {
-                departure_point(&x, dt, |x| flow.cubic(x))
+                departure_point(&x, &flow.cubic_at_cell(at), dt, |x| flow.cubic(x))
             } else {
-                let arrival = flow.at_cell(at);
-                x - arrival * dt - path_bend(&x, &arrival, dt, |x| flow.linear(x))
+                departure_point(&x, &flow.at_cell(at), dt, |x| flow.linear(x))
             };
             if beside_solid.contains(&cut.distance_cells(cell as usize)) {
                 distance.distance_on_side(&from, |first| own_side(cut, at, first))
@@ -120,12 +121,12 @@ struct Depths<'a, const D: usize> {
 }
 
 impl<const D: usize> Depths<'_, D> {
-    /// The departure point of the liquid that arrives at `arrival`, moved back into the liquid to the depth that it has after the step.
+    /// The departure point of the liquid that arrives at a face normal to `axis`, moved back into the liquid to the depth that it has after the step.
     ///
     /// Near the interface liquid keeps its depth where the interface moves with the flow. Where the contact angle, hysteresis or the volume
     /// correction hold the interface against an inflow, the path would begin beyond it, in the extrapolated velocity. With the slope `s`
     /// behind the surface and the Courant number `c`, the velocity would grow by `c s` in each step, without a bound (experiment E7).
-    fn corrected(&self, departure: Vector<D>, arrival: &Vector<D>, face: [usize; D]) -> Vector<D> {
+    fn corrected(&self, departure: Vector<D>, axis: usize, face: [usize; D]) -> Vector<D> {
         let grid = &self.cut.open_fraction.grid;
         let reach = EXTRAPOLATION_REACH_CELLS * grid.dx;
         let cell = grid.lattice().index(std::array::from_fn(|a| face[a].min(grid.cells[a] - 1)));
@@ -137,15 +138,16 @@ impl<const D: usize> Depths<'_, D> {
                 return departure;
             }
         }
-        let (before, gradient) = self.before.distance_with_gradient(&departure);
+        let before = self.before.distance(&departure);
         if before < -reach {
             return departure;
         }
-        let excess = before - self.after.distance_with_gradient(arrival).0;
-        match gradient.try_normalize(0.0) {
-            Some(normal) if excess > 0.0 => departure - normal * excess,
-            _ => departure,
+        let excess = before - self.after.distance_at_face(grid, axis, face);
+        if excess <= 0.0 {
+            return departure;
         }
+        let gradient = self.before.distance_with_gradient(&departure).1;
+        gradient.try_normalize(0.0).map_or(departure, |normal| departure - normal * excess)
     }
 }
 
@@ -258,7 +260,7 @@ pub fn advect_velocity<const D: usize>(
                 }
                 let x = grid.face_center(axis, at);
                 let departure = x - flow.at_face(axis, at) * dt - beside.mean_bend(i);
-                *value = flow.component(axis).cubic(&depths.corrected(departure, &x, at));
+                *value = flow.component(axis).cubic(&depths.corrected(departure, axis, at));
             }
         });
         values

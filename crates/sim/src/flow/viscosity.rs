@@ -15,13 +15,14 @@
 //! cells fractions and masses are those of the open part. Faces closed by solids have no mass and follow the liquid; as fixed values
 //! they made drops glide.
 
-use super::viscous_operator::{CELLS_PER_TASK, Cell, ViscousOperator};
+use super::viscous_operator::{Cell, Neighbours, ViscousOperator};
 use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Lattice, Runs, Sampler, Segment};
-use meniscus_numerics::linalg::{Jacobi, SolveError, SolveLimits, SolveReport, conjugate_gradient};
+use meniscus_numerics::linalg::{
+    Jacobi, SolveError, SolveLimits, SolveReport, conjugate_gradient_in_single_precision,
+};
 use meniscus_numerics::shape::plane_box_fraction;
 use meniscus_numerics::{par, rotation_planes};
-use rayon::prelude::*;
 
 /// Relative residual of the solve. 1e-8 takes twice the iterations and changes the decay of a drop by 0.03 %.
 const TOLERANCE: f64 = 1e-6;
@@ -63,28 +64,36 @@ impl<const D: usize> Diffusion<'_, D> {
 
     fn advance_to(&mut self, model: &Model<D>, dt: f64, tolerance: f64) -> Result<SolveReport, SolveError> {
         let places = UnknownCells::new(model, self);
-        let stiffness = model.kinematic_viscosity * dt / (model.grid.dx * model.grid.dx);
-        let operator = ViscousOperator::new(Builder::new(model, self, &places, stiffness).cells(), stiffness);
-        let mut x = gather(&operator.cells, model, &places, self.velocity);
+        let builder = Builder::new(model, self, &places, stiffness(model, dt));
+        let deep = builder.deep_cells();
+        let operator = builder.operator(&deep);
+        let count = places.list.len();
+        let mut x = gather(&operator, model, &places, self);
         let mut b = x.clone();
-        let cells = b.par_chunks_mut(D).zip(&operator.cells).with_min_len(CELLS_PER_TASK);
-        cells.for_each(|(b, cell)| (0..D).for_each(|a| b[a] *= cell.face_mass[a]));
+        for (i, cell) in operator.general_cells() {
+            (0..D).for_each(|a| b[a * count + i] *= cell.face_mass[a]);
+        }
         let jacobi = Jacobi::new(&operator.diagonal());
         let limits = SolveLimits { tolerance, max_iterations: MAX_ITERATIONS };
-        let report = conjugate_gradient(&operator, &jacobi, &b, &mut x, limits)?;
+        let report = conjugate_gradient_in_single_precision(&operator, &jacobi, &b, &mut x, limits)?;
         for a in 0..D {
             let lattice = model.grid.face_lattice(a);
-            let row = lattice.extent[0];
+            let (row, x) = (lattice.extent[0], &x[a * count..][..count]);
             par::for_each_segment(&mut self.velocity.axes[a], row, &self.liquid_faces[a], |s, part| {
                 let at = lattice.coordinates(s.row * row + s.start);
                 let slots = &places.slots[places.lattice.index(at)..][..part.len()];
                 for (u, slot) in part.iter_mut().zip(slots).filter(|(_, slot)| **slot != 0) {
-                    *u = x[*slot as usize * D + a];
+                    *u = x[*slot as usize];
                 }
             });
         }
         Ok(report)
     }
+}
+
+/// `ν h/Δ²`.
+fn stiffness<const D: usize>(model: &Model<D>, dt: f64) -> f64 {
+    model.kinematic_viscosity * dt / (model.grid.dx * model.grid.dx)
 }
 
 /// The cells whose lower faces are unknowns: liquid, nearby air, and those beyond open upper sides.
@@ -95,17 +104,21 @@ struct UnknownCells<const D: usize> {
     list: Vec<u32>,
     /// Slot of a cell in the list; 0: none.
     slots: Vec<u32>,
+    /// The parts of the list that are runs of liquid cells.
+    runs: Vec<Segment>,
 }
 
 impl<const D: usize> UnknownCells<D> {
     fn new(model: &Model<D>, d: &Diffusion<'_, D>) -> Self {
         let cells = model.grid.lattice();
         let lattice = Lattice::new(cells.extent.map(|n| n + 1));
-        let mut list = vec![0];
+        let (mut list, mut runs) = (vec![0], Vec::with_capacity(d.liquid.runs.len()));
         for run in &d.liquid.runs {
             let start =
                 lattice.index(cells.coordinates(run.row as usize * cells.extent[0] + run.start as usize));
+            let first = list.len();
             list.extend(start as u32..start as u32 + (run.end - run.start));
+            runs.push(Segment { row: 0, start: first, end: list.len() });
         }
         let near = &d.band.cells[d.band.first_layers(AIR_LAYERS)];
         let far = FULL_CELL_DISTANCE_CELLS * model.grid.dx;
@@ -123,37 +136,44 @@ impl<const D: usize> UnknownCells<D> {
         // Pages of a zeroed array that are never written take no memory.
         let mut slots = vec![0; lattice.len()];
         list.iter().enumerate().skip(1).for_each(|(i, p)| slots[*p as usize] = i as u32);
-        Self { lattice, list, slots }
+        Self { lattice, list, slots, runs }
     }
 }
 
 /// Initial values on the faces. Unknowns outside the liquid get the mean of their neighbours in it.
 fn gather<const D: usize>(
-    cells: &[Cell<D>],
+    operator: &ViscousOperator<D>,
     model: &Model<D>,
     places: &UnknownCells<D>,
-    velocity: &FaceField<D>,
+    diffusion: &Diffusion<'_, D>,
 ) -> Vec<f64> {
-    let place = |i: usize| places.lattice.coordinates(places.list[i] as usize);
-    let value_at = |at: [usize; D], a: usize| {
+    let (count, faces) = (places.list.len(), std::array::from_fn(|a| model.grid.face_lattice(a)));
+    let (faces, velocity): (&[Lattice<D>; D], _) = (&faces, &diffusion.velocity.axes);
+    let at = |i: usize| places.lattice.coordinates(places.list[i] as usize);
+    let mut x = vec![0.0; count * D];
+    par::map_component_segments(&mut x, count, &places.runs, |_, s, parts: [&mut [f64]; D]| {
+        let at = at(s.start);
+        for (a, part) in parts.into_iter().enumerate() {
+            part.copy_from_slice(&velocity[a][faces[a].index(at)..][..part.len()]);
+        }
+    });
+    let value = |at: [usize; D], a: usize| {
         let exists = (0..D).all(|b| b == a || at[b] < model.grid.cells[b]);
-        if exists { velocity.axes[a][model.grid.face_lattice(a).index(at)] } else { 0.0 }
+        if exists { velocity[a][faces[a].index(at)] } else { 0.0 }
     };
-    let value = |i: usize, a: usize| if i > 0 { value_at(place(i), a) } else { 0.0 };
-    let mut x = vec![0.0; cells.len() * D];
-    x.par_chunks_mut(D).zip(cells).enumerate().with_min_len(CELLS_PER_TASK).for_each(|(i, (x, cell))| {
-        let at = place(i);
-        for a in (0..D).filter(|_| i > 0) {
+    for (i, cell) in operator.general_cells().skip(1) {
+        let own = at(i);
+        for a in 0..D {
             if !cell.is_unknown[a] || cell.face_mass[a] > 0.0 {
-                x[a] = value_at(at, a);
+                x[a * count + i] = value(own, a);
                 continue;
             }
             let near = cell.next.iter().flatten().map(|n| *n as usize);
-            let known = near.filter(|n| cells[*n].face_mass[a] > 0.0);
-            let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + value(n, a), c + 1.0));
-            x[a] = sum / f64::max(count, 1.0);
+            let known = near.filter(|n| operator.cell(*n).face_mass[a] > 0.0);
+            let (sum, known) = known.fold((0.0, 0.0), |(s, c), n| (s + value(at(n), a), c + 1.0));
+            x[a * count + i] = sum / f64::max(known, 1.0);
         }
-    });
+    }
     x
 }
 
@@ -179,23 +199,60 @@ impl<'a, const D: usize> Builder<'a, D> {
         Self { model, places, phi, sampler, solids: diffusion.cut_cells, stiffness }
     }
 
-    fn cells(&self) -> Vec<Cell<D>> {
-        let build = |(i, p): (usize, &u32)| if i == 0 { Cell::empty() } else { self.cell(*p as usize) };
-        self.places.list.par_iter().with_min_len(CELLS_PER_TASK).enumerate().map(build).collect()
+    /// The operator; `deep` marks the cells in the middle of liquid.
+    fn operator(&self, deep: &[bool]) -> ViscousOperator<D> {
+        let place = |i: usize| self.places.list[i] as usize;
+        let beside = |place: usize| self.neighbours(place, self.places.lattice.coordinates(place));
+        let next = |i: usize| if i == 0 { [[0; 2]; D] } else { beside(place(i)) };
+        let cell = |i: usize| if i == 0 { Cell::empty() } else { self.cell(place(i)) };
+        ViscousOperator::new(deep, next, cell, self.stiffness)
+    }
+
+    /// Marks the cells of the list that are full, with full cells around them, and apart from solids and sides.
+    fn deep_cells(&self) -> Vec<bool> {
+        let UnknownCells { lattice, list, runs, .. } = self.places;
+        let (mut full, mut deep) = (vec![false; list.len()], vec![false; list.len()]);
+        let far = FULL_CELL_DISTANCE_CELLS * self.model.grid.dx;
+        par::for_each_segment(&mut full, 0, runs, |s, part| {
+            let place = list[s.start] as usize;
+            let mut at = lattice.coordinates(place);
+            let (start, first) = (at[0], self.model.grid.lattice().index(at));
+            for (i, full) in part.iter_mut().enumerate() {
+                at[0] = start + i;
+                let is_full = self.phi[first + i] < -far;
+                *full = is_full && self.is_apart(at, &self.neighbours(place + i, at));
+            }
+        });
+        par::for_each_segment(&mut deep, 0, runs, |s, part| {
+            let place = list[s.start] as usize;
+            let mut at = lattice.coordinates(place);
+            let start = at[0];
+            for (i, deep) in part.iter_mut().enumerate().filter(|(i, _)| full[s.start + i]) {
+                at[0] = start + i;
+                *deep = self.neighbours(place + i, at).iter().flatten().all(|n| full[*n as usize]);
+            }
+        });
+        deep
+    }
+
+    /// The slots of the cells beside a place with the coordinates `at`.
+    #[inline]
+    fn neighbours(&self, place: usize, at: [usize; D]) -> Neighbours<D> {
+        let UnknownCells { lattice, slots, .. } = self.places;
+        std::array::from_fn(|a| {
+            let lower = if at[a] > 0 { slots[place - lattice.stride[a]] } else { 0 };
+            [lower, if at[a] < self.model.grid.cells[a] { slots[place + lattice.stride[a]] } else { 0 }]
+        })
     }
 
     fn cell(&self, place: usize) -> Cell<D> {
-        let lattice = &self.places.lattice;
         let extent = self.model.grid.cells;
-        let at = lattice.coordinates(place);
+        let at = self.places.lattice.coordinates(place);
         let inside = (0..D).all(|a| at[a] < extent[a]);
-        let next: [[u32; 2]; D] = std::array::from_fn(|a| {
-            let lower = if at[a] > 0 { self.places.slots[place - lattice.stride[a]] } else { 0 };
-            [lower, if at[a] < extent[a] { self.places.slots[place + lattice.stride[a]] } else { 0 }]
-        });
+        let next = self.neighbours(place, at);
         let value = if inside { self.phi[self.model.grid.lattice().index(at)] } else { f64::INFINITY };
         let is_full = value < -FULL_CELL_DISTANCE_CELLS * self.model.grid.dx;
-        if is_full && self.is_deep(at, &next) {
+        if is_full && self.is_apart(at, &next) {
             return Cell::full(next, self.stiffness);
         }
         // A term with a missing face is left out.
@@ -226,8 +283,8 @@ impl<'a, const D: usize> Builder<'a, D> {
         cell
     }
 
-    /// Whether a full cell lies so deep in the liquid, and so far from solids and sides, that all its coefficients are those of unbounded liquid.
-    fn is_deep(&self, at: [usize; D], next: &[[u32; 2]; D]) -> bool {
+    /// Whether a full cell lies so far from solids and sides that all its coefficients are those of unbounded liquid.
+    fn is_apart(&self, at: [usize; D], next: &Neighbours<D>) -> bool {
         let lattice = self.model.grid.lattice();
         let here = lattice.index(at);
         self.solids.distance_cells(here) > FULL_CELL_DISTANCE_CELLS

@@ -102,13 +102,15 @@ fn operator_is_symmetric<const D: usize>() {
     let (mut state, work) = liquid(&model, |x| ball(&(x * 0.6)), |_| Vector::zeros());
     let d = diffusion(&mut state, &work);
     let places = UnknownCells::new(&model, &d);
-    let operator = ViscousOperator::new(Builder::new(&model, &d, &places, 3.0).cells(), 3.0);
+    let builder = Builder::new(&model, &d, &places, 3.0);
+    let operator = builder.operator(&builder.deep_cells());
+    let count = places.list.len();
     let diagonal = operator.diagonal();
-    let n = operator.size();
+    let n = count * D;
     let (mut x, mut image) = (vec![0.0; n], vec![0.0; n]);
     let mut rows = Vec::new();
     for i in 0..n {
-        x[i] = if operator.cells[i / D].is_unknown[i % D] { 1.0 } else { 0.0 };
+        x[i] = if operator.cell(i % count).is_unknown[i / count] { 1.0 } else { 0.0 };
         operator.apply(&x, &mut image);
         assert!((image[i] - diagonal[i]).abs() < 1e-12, "{D}D: diagonal {i}");
         rows.push(image.clone());
@@ -130,12 +132,13 @@ fn deep_stretches_are_the_general_operator<const D: usize>() {
     let (mut state, work) = liquid(&model, ball, |_| Vector::zeros());
     let d = diffusion(&mut state, &work);
     let places = UnknownCells::new(&model, &d);
-    let cells = Builder::new(&model, &d, &places, 3.0).cells();
-    // Of another stiffness no cell is deep.
-    let operators = [3.0, f64::NAN].map(|stiffness| ViscousOperator::new(cells.clone(), stiffness));
-    assert!(operators[0].deep_cells() > places.list.len() / 8 && operators[1].deep_cells() == 0);
+    let builder = Builder::new(&model, &d, &places, 3.0);
+    let count = places.list.len();
+    let operators = [builder.deep_cells(), vec![false; count]].map(|deep| builder.operator(&deep));
+    assert!(operators[0].deep_cells() > count / 8 && operators[1].deep_cells() == 0);
+    assert!(operators[0].diagonal() == operators[1].diagonal(), "{D}D");
     let x: Vec<f64> =
-        (0..operators[0].size()).map(|i| if i < D { 0.0 } else { (0.7 * i as f64).sin() }).collect();
+        (0..count * D).map(|i| if i % count == 0 { 0.0 } else { (0.7 * i as f64).sin() }).collect();
     let [deep, general] = operators.map(|operator| {
         let mut image = vec![0.0; x.len()];
         operator.apply(&x, &mut image);
@@ -157,14 +160,14 @@ fn a_linear_strain_dissipates_what_it_should() {
     let (mut state, work) = liquid(&model, |x| (x - center).norm() - 0.25, |_| Vector::zeros());
     let d = diffusion(&mut state, &work);
     let places = UnknownCells::new(&model, &d);
-    let mut cells = Builder::new(&model, &d, &places, 1.0).cells();
-    cells.iter_mut().for_each(|c| c.face_mass = [0.0; 2]);
-    let operator = ViscousOperator::new(cells, 1.0);
+    let count = places.list.len();
+    let mut operator = Builder::new(&model, &d, &places, 1.0).operator(&vec![false; count]);
+    operator.cells.iter_mut().for_each(|c| c.face_mass = [0.0; 2]);
     let strain = |i: usize, a: usize| {
         let x = model.grid.face_center(a, places.lattice.coordinates(places.list[i] as usize));
         if i == 0 { 0.0 } else { [x[0], -x[1]][a] }
     };
-    let x: Vec<f64> = (0..operator.size()).map(|i| strain(i / 2, i % 2)).collect();
+    let x: Vec<f64> = (0..2 * count).map(|i| strain(i % count, i / count)).collect();
     let mut image = vec![0.0; x.len()];
     // With stiffness one the operator is Φ/(ν Δ^(D−2)).
     let dissipation = operator.apply_dot(&x, &mut image);

@@ -1,22 +1,28 @@
 //! The operator of the viscous step, `M + ½ h Φ'` ([`super::viscosity`]), by cells.
 //!
-//! A weighted strain rate of each cell is found first, then its divergence. In the middle of liquid, where the cell and those beside it are
-//! full and apart from solids, the coefficients are constants: along such stretches of a row the operator is a stencil on the velocity, and
-//! no coefficient is read. The results are the same to the last bit.
+//! In the middle of liquid, where the cell and those beside it are full and apart from solids, the coefficients are constants: along such
+//! stretches of a row the operator is a stencil on the velocity. Only the other cells have coefficients of their own: of these a weighted
+//! strain rate is found first, then its divergence. Where both apply, the results are the same to the last bit.
+//!
+//! A vector holds the components of the velocity one behind the other, each in the order of the list of cells.
 
-use meniscus_numerics::linalg::LinearOperator;
+use meniscus_numerics::linalg::{LinearOperator, Real, dot_serial};
 use meniscus_numerics::{grid::Segment, par, rotation_planes};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 /// Cells per parallel task.
 pub const CELLS_PER_TASK: usize = 1024;
 
+/// Slots of the lower and upper neighbour of a cell along each axis; 0: none.
+pub type Neighbours<const D: usize> = [[u32; 2]; D];
+
 /// Coefficients of a cell, of the edges at its lower corner, and of its lower faces.
 #[derive(Clone, Copy)]
 pub struct Cell<const D: usize> {
-    /// Slots of the lower and upper neighbour along each axis.
-    pub next: [[u32; 2]; D],
+    /// The cells beside it.
+    pub next: Neighbours<D>,
     /// `2 ν h/Δ²` times the liquid fraction of the cell.
     pub normal: f64,
     /// `ν h/Δ²` times the liquid fraction of the box around the lower edge of each plane.
@@ -34,32 +40,24 @@ impl<const D: usize> Cell<D> {
     }
 
     /// A cell in the middle of liquid; `stiffness` is `ν h/Δ²`.
-    pub fn full(next: [[u32; 2]; D], stiffness: f64) -> Self {
+    pub fn full(next: Neighbours<D>, stiffness: f64) -> Self {
         let mut shear = [0.0; D];
         rotation_planes::<D>().iter().enumerate().for_each(|(k, _)| shear[k] = stiffness);
         Self { next, normal: 2.0 * stiffness, shear, face_mass: [1.0; D], is_unknown: [true; D] }
-    }
-
-    fn is_full(&self, stiffness: f64) -> bool {
-        let Self { normal, shear, face_mass, is_unknown, .. } = Self::full(self.next, stiffness);
-        self.normal == normal
-            && self.shear == shear
-            && self.face_mass == face_mass
-            && self.is_unknown == is_unknown
     }
 }
 
 /// Consecutive cells of the list.
 #[derive(Clone, Copy)]
 enum Stretch<const D: usize> {
-    /// Cells with coefficients of their own.
-    General,
+    /// Cells with coefficients of their own, from this one on.
+    General(usize),
     /// Cells in the middle of liquid.
     Deep(Shifts<D>),
 }
 
 /// Distances in the list from a cell to those around it.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 struct Shifts<const D: usize> {
     /// To the lower and upper neighbour along each axis.
     next: [[isize; 2]; D],
@@ -69,83 +67,138 @@ struct Shifts<const D: usize> {
 
 /// The operator `M + ½ h Φ'`: mass plus `h` times half the gradient of `Φ`.
 pub struct ViscousOperator<const D: usize> {
-    /// All cells; the first is a dummy.
+    /// Number of cells of the list; the first is a dummy.
+    count: usize,
+    /// The coefficients of the cells outside deep stretches, and of those beside them, in the order of the list.
     pub cells: Vec<Cell<D>>,
+    /// Place of each cell of the list among these; 0: none, but for the first.
+    place: Vec<u32>,
+    /// The coefficients of a cell in the middle of liquid, without its neighbours.
+    full: Cell<D>,
     /// `ν h/Δ²`.
     stiffness: f64,
-    /// The stretches, and their places in the list.
+    /// The stretches.
     stretches: Vec<Stretch<D>>,
+    /// Their parts of the list.
     segments: Vec<Segment>,
-    /// Parts of the list whose strain rates general cells read.
+    /// Parts of the list whose strain rates general cells read; the row is the place of the coefficients of the first.
     strained: Vec<Segment>,
     /// Weighted strain rates of each cell: along the axes, in the planes.
     strain: Mutex<Vec<[[f64; D]; 2]>>,
 }
 
 impl<const D: usize> ViscousOperator<D> {
-    /// The operator of these cells; `stiffness` is `ν h/Δ²`.
-    pub fn new(cells: Vec<Cell<D>>, stiffness: f64) -> Self {
-        let full: Vec<bool> =
-            cells.par_iter().with_min_len(CELLS_PER_TASK).map(|c| c.is_full(stiffness)).collect();
-        let is_deep = |i: usize| full[i] && cells[i].next.iter().flatten().all(|n| full[*n as usize]);
-        let deep: Vec<bool> =
-            (0..cells.len()).into_par_iter().with_min_len(CELLS_PER_TASK).map(is_deep).collect();
-        let shifts = |i: usize| deep[i].then(|| Shifts::of(&cells, i));
-        let (mut stretches, mut segments) = (Vec::new(), Vec::new());
-        let mut start = 0;
-        while start < cells.len() {
-            let here = shifts(start);
-            let last = (start + CELLS_PER_TASK).min(cells.len());
-            let end = start + 1 + (start + 1..last).take_while(|i| shifts(*i) == here).count();
-            segments.push(Segment { row: stretches.len(), start, end });
-            stretches.push(here.map_or(Stretch::General, Stretch::Deep));
-            start = end;
+    /// The operator of the listed cells, of which those in the middle of liquid, with full cells around them, are marked `deep`. `next` and
+    /// `coefficients` take a cell's place in the list. `stiffness` is `ν h/Δ²`.
+    pub fn new(
+        deep: &[bool],
+        next: impl Fn(usize) -> Neighbours<D> + Sync,
+        coefficients: impl Fn(usize) -> Cell<D> + Sync,
+        stiffness: f64,
+    ) -> Self {
+        let count = deep.len();
+        let mut stored: Vec<bool> = deep.iter().map(|deep| !deep).collect();
+        for i in (0..count).filter(|i| !deep[*i]) {
+            next(i).iter().flatten().for_each(|n| stored[*n as usize] = true);
         }
-        let mut needed = vec![false; cells.len()];
-        for (i, cell) in cells.iter().enumerate().filter(|(i, _)| !deep[*i]) {
-            needed[i] = true;
-            cell.next.iter().flatten().for_each(|n| needed[*n as usize] = true);
+        let (mut list, mut place) = (Vec::new(), vec![0; count]);
+        for i in (0..count).filter(|i| stored[*i]) {
+            place[i] = list.len() as u32;
+            list.push(i);
         }
-        let strained = ranges(&needed);
-        let strain = Mutex::new(vec![[[0.0; D]; 2]; cells.len()]);
-        Self { cells, stiffness, stretches, segments, strained, strain }
+        let cells = list.par_iter().with_min_len(CELLS_PER_TASK).map(|i| coefficients(*i)).collect();
+        let strained = equal_ranges(&stored).into_iter().filter(|r| stored[r.start]);
+        let strained = strained.map(|r| Segment { row: place[r.start] as usize, start: r.start, end: r.end });
+        let strained = strained.collect();
+        let parts = equal_ranges(deep);
+        let stretch = |part: &Range<usize>| match place[part.start] as usize {
+            _ if deep[part.start] => Stretch::Deep(Shifts::of(&next, part.start)),
+            first => Stretch::General(first),
+        };
+        let stretches = parts.iter().map(stretch).collect();
+        let segments =
+            parts.iter().map(|part| Segment { row: 0, start: part.start, end: part.end }).collect();
+        let strain = Mutex::new(vec![[[0.0; D]; 2]; count]);
+        let full = Cell::full([[0; 2]; D], stiffness);
+        Self { count, cells, place, full, stiffness, stretches, segments, strained, strain }
+    }
+
+    /// The coefficients of a cell of the list; those of one in the middle of liquid may lack its neighbours.
+    pub fn cell(&self, i: usize) -> &Cell<D> {
+        match self.place[i] as usize {
+            0 if i > 0 => &self.full,
+            place => &self.cells[place],
+        }
+    }
+
+    /// The diagonal.
+    pub fn diagonal(&self) -> Vec<f64> {
+        let deep = self.diagonal_of(&self.full, &|_| &self.full);
+        let mut diagonal = vec![0.0; self.count * D];
+        par::map_component_segments(
+            &mut diagonal,
+            self.count,
+            &self.segments,
+            |number, s, mut parts: [_; D]| match &self.stretches[number] {
+                Stretch::Deep(_) => parts.iter_mut().zip(deep).for_each(|(part, deep)| part.fill(deep)),
+                Stretch::General(first) => {
+                    for (i, cell) in self.cells[*first..][..s.end - s.start].iter().enumerate() {
+                        let own = self.diagonal_of(cell, &|n| self.cell(n));
+                        parts.iter_mut().zip(own).for_each(|(part, own)| part[i] = own);
+                    }
+                }
+            },
+        );
+        diagonal
+    }
+
+    /// The cells that are not in the middle of liquid: their places in the list, and their coefficients.
+    pub fn general_cells(&self) -> impl Iterator<Item = (usize, &Cell<D>)> {
+        self.stretches
+            .iter()
+            .zip(&self.segments)
+            .filter_map(|(stretch, s)| match stretch {
+                Stretch::General(first) => Some((s.start..s.end).zip(&self.cells[*first..])),
+                Stretch::Deep(_) => None,
+            })
+            .flatten()
+    }
+
+    /// The entries of the diagonal of a cell; `beside` takes the places of its neighbours in the list.
+    fn diagonal_of<'a>(&self, c: &Cell<D>, beside: &dyn Fn(usize) -> &'a Cell<D>) -> [f64; D] {
+        std::array::from_fn(|a| {
+            if !c.is_unknown[a] {
+                return 0.0;
+            }
+            let mut sum = c.face_mass[a] + c.normal + beside(c.next[a][0] as usize).normal;
+            for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
+                if a == p || a == q {
+                    sum += c.shear[k] + beside(c.next[p + q - a][1] as usize).shear[k];
+                }
+            }
+            sum
+        })
     }
 
     /// Number of cells in deep stretches.
     #[cfg(test)]
     pub fn deep_cells(&self) -> usize {
-        let deep = self.stretches.iter().zip(&self.segments).filter(|(s, _)| matches!(s, Stretch::Deep(_)));
-        deep.map(|(_, s)| s.end - s.start).sum()
+        self.count - self.general_cells().count()
     }
 
-    /// The diagonal.
-    pub fn diagonal(&self) -> Vec<f64> {
-        let of = |c: &Cell<D>, a: usize| {
-            if !c.is_unknown[a] {
-                return 0.0;
-            }
-            let mut sum = c.face_mass[a] + c.normal + self.cells[c.next[a][0] as usize].normal;
-            for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
-                if a == p || a == q {
-                    sum += c.shear[k] + self.cells[c.next[p + q - a][1] as usize].shear[k];
-                }
-            }
-            sum
-        };
-        let mut diagonal = vec![0.0; self.size()];
-        let cells = diagonal.par_chunks_mut(D).zip(&self.cells).with_min_len(CELLS_PER_TASK);
-        cells.for_each(|(entries, c)| entries.iter_mut().enumerate().for_each(|(a, d)| *d = of(c, a)));
-        diagonal
+    /// The components of a vector.
+    fn components<'a, T>(&self, x: &'a [T]) -> [&'a [T]; D] {
+        std::array::from_fn(|a| &x[a * self.count..][..self.count])
     }
 }
 
 impl<const D: usize> Shifts<D> {
-    fn of(cells: &[Cell<D>], i: usize) -> Self {
+    fn of(next: impl Fn(usize) -> Neighbours<D>, i: usize) -> Self {
         let shift = |to: u32| to as isize - i as isize;
-        let next = cells[i].next;
-        let corner = |a: usize, b: usize| cells[next[b][1] as usize].next[a][0];
+        let own = next(i);
+        let corner = |a: usize, b: usize| next(own[b][1] as usize)[a][0];
         Self {
-            next: next.map(|sides| sides.map(shift)),
+            next: own.map(|sides| sides.map(shift)),
             corner: std::array::from_fn(|a| {
                 std::array::from_fn(|b| if a == b { 0 } else { shift(corner(a, b)) })
             }),
@@ -153,103 +206,129 @@ impl<const D: usize> Shifts<D> {
     }
 }
 
-/// The ranges of at most [`CELLS_PER_TASK`] entries that are set.
-fn ranges(set: &[bool]) -> Vec<Segment> {
-    let mut out: Vec<Segment> = Vec::new();
-    for (i, _) in set.iter().enumerate().filter(|(_, set)| **set) {
+/// The longest ranges of at most [`CELLS_PER_TASK`] equal entries.
+fn equal_ranges(marks: &[bool]) -> Vec<Range<usize>> {
+    let mut out: Vec<Range<usize>> = Vec::new();
+    for (i, mark) in marks.iter().enumerate() {
         match out.last_mut() {
-            Some(last) if last.end == i && i - last.start < CELLS_PER_TASK => last.end += 1,
-            _ => out.push(Segment { row: 0, start: i, end: i + 1 }),
+            Some(last) if marks[last.start] == *mark && last.len() < CELLS_PER_TASK => last.end = i + 1,
+            _ => out.push(i..i + 1),
         }
     }
     out
 }
 
-impl<const D: usize> LinearOperator for ViscousOperator<D> {
+impl<T: Real, const D: usize> LinearOperator<T> for ViscousOperator<D> {
     fn size(&self) -> usize {
-        self.cells.len() * D
+        self.count * D
     }
 
-    fn apply(&self, x: &[f64], y: &mut [f64]) {
-        let (u, _) = x.as_chunks::<D>();
+    fn apply(&self, x: &[T], y: &mut [T]) {
+        self.apply_dot(x, y);
+    }
+
+    fn apply_dot(&self, x: &[T], y: &mut [T]) -> f64 {
+        let u = self.components(x);
         let mut strain = self.strain.lock().unwrap_or_else(PoisonError::into_inner);
-        par::for_each_segment(&mut strain, 0, &self.strained, |s, part| {
-            let cells = &self.cells[s.start..s.end];
+        let strained = |s: &Segment, part: &mut [[[f64; D]; 2]]| {
+            let cells = &self.cells[s.row..];
             part.iter_mut().zip(cells).enumerate().for_each(|(i, (strain, cell))| {
-                *strain = strain_rates(cell, s.start + i, u);
+                *strain = strain_rates(cell, s.start + i, &u);
             });
-        });
+        };
+        par::for_each_segment(&mut strain, 0, &self.strained, strained);
         let strain = &*strain;
-        let (v, _) = y.as_chunks_mut::<D>();
-        par::for_each_segment(v, 0, &self.segments, |s, part| match &self.stretches[s.row] {
-            Stretch::Deep(shifts) => apply_deep(self.stiffness, shifts, s.start, u, part),
-            Stretch::General => {
-                let cells = &self.cells[s.start..s.end];
-                part.iter_mut().zip(cells).enumerate().for_each(|(i, (v, cell))| {
-                    *v = divergence(cell, s.start + i, u, strain);
-                });
-            }
-        });
+        let products =
+            par::map_component_segments(y, self.count, &self.segments, |number, s, v: [&mut [T]; D]| {
+                match &self.stretches[number] {
+                    Stretch::Deep(shifts) => apply_deep(self.stiffness, shifts, s.start, &u, v),
+                    Stretch::General(first) => {
+                        let cells = &self.cells[*first..][..s.end - s.start];
+                        divergence(cells, s.start, &u, strain, v)
+                    }
+                }
+            });
+        products.iter().sum()
     }
 }
 
 /// Weighted strain rates of the cell `i`.
 #[inline(always)]
-fn strain_rates<const D: usize>(c: &Cell<D>, i: usize, u: &[[f64; D]]) -> [[f64; D]; 2] {
-    let (here, mut s) = (u[i], [[0.0; D]; 2]);
+fn strain_rates<T: Real, const D: usize>(c: &Cell<D>, i: usize, u: &[&[T]; D]) -> [[f64; D]; 2] {
+    let value = |a: usize, i: usize| u[a][i].to_f64();
+    let mut s = [[0.0; D]; 2];
     for a in 0..D {
-        s[0][a] = c.normal * (u[c.next[a][1] as usize][a] - here[a]);
+        s[0][a] = c.normal * (value(a, c.next[a][1] as usize) - value(a, i));
     }
     for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
-        let (below, left) = (u[c.next[q][0] as usize][p], u[c.next[p][0] as usize][q]);
-        s[1][k] = c.shear[k] * (here[p] - below + here[q] - left);
+        let (below, left) = (value(p, c.next[q][0] as usize), value(q, c.next[p][0] as usize));
+        s[1][k] = c.shear[k] * (value(p, i) - below + value(q, i) - left);
     }
     s
 }
 
-/// The operator in the cell `i`.
-#[inline(always)]
-fn divergence<const D: usize>(c: &Cell<D>, i: usize, u: &[[f64; D]], strain: &[[[f64; D]; 2]]) -> [f64; D] {
-    let (here, mut v) = (&strain[i], [0.0; D]);
-    for a in 0..D {
-        v[a] = c.face_mass[a] * u[i][a] + strain[c.next[a][0] as usize][0][a] - here[0][a];
+/// The operator in these cells, of which `start` is the first; returns the sum of its products with `u`.
+fn divergence<T: Real, const D: usize>(
+    cells: &[Cell<D>],
+    start: usize,
+    u: &[&[T]; D],
+    strain: &[[[f64; D]; 2]],
+    v: [&mut [T]; D],
+) -> f64 {
+    let mut product = 0.0;
+    for (offset, c) in cells.iter().enumerate() {
+        let i = start + offset;
+        let (here, mut sum) = (&strain[i], [0.0; D]);
+        for a in 0..D {
+            sum[a] = c.face_mass[a] * u[a][i].to_f64() + strain[c.next[a][0] as usize][0][a] - here[0][a];
+        }
+        for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
+            sum[p] += here[1][k] - strain[c.next[q][1] as usize][1][k];
+            sum[q] += here[1][k] - strain[c.next[p][1] as usize][1][k];
+        }
+        for a in 0..D {
+            let sum = if c.is_unknown[a] { sum[a] } else { 0.0 };
+            v[a][offset] = T::from_f64(sum);
+            product += u[a][i].to_f64() * sum;
+        }
     }
-    for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
-        v[p] += here[1][k] - strain[c.next[q][1] as usize][1][k];
-        v[q] += here[1][k] - strain[c.next[p][1] as usize][1][k];
-    }
-    (0..D).filter(|a| !c.is_unknown[*a]).for_each(|a| v[a] = 0.0);
-    v
+    product
 }
 
-/// The operator in a deep stretch from the cell `start` on.
-fn apply_deep<const D: usize>(
+/// The operator in a deep stretch from the cell `start` on; returns the sum of its products with `u`.
+fn apply_deep<T: Real, const D: usize>(
     stiffness: f64,
     shifts: &Shifts<D>,
     start: usize,
-    u: &[[f64; D]],
-    v: &mut [[f64; D]],
-) {
-    let at = |shift: isize| &u[start.wrapping_add_signed(shift)..][..v.len()];
-    let (here, next, corner) = (at(0), shifts.next.map(|s| s.map(at)), shifts.corner.map(|s| s.map(at)));
-    let normal = 2.0 * stiffness;
-    for i in 0..v.len() {
-        let h = &here[i];
-        let mut value = [0.0; D];
-        for a in 0..D {
-            let [low, up] = next[a].map(|side| side[i][a]);
-            value[a] = h[a] + normal * (h[a] - low) - normal * (up - h[a]);
+    u: &[&[T]; D],
+    v: [&mut [T]; D],
+) -> f64 {
+    let mut product = 0.0;
+    let [normal, stiffness] = [2.0 * stiffness, stiffness].map(T::from_f64);
+    for (a, v) in v.into_iter().enumerate() {
+        let count = v.len();
+        let at = |component: usize, shift: isize| &u[component][start.wrapping_add_signed(shift)..][..count];
+        let (here, [low, up]) = (at(a, 0), shifts.next[a].map(|shift| at(a, shift)));
+        for i in 0..count {
+            v[i] = here[i] + normal * (here[i] - low[i]) - normal * (up[i] - here[i]);
         }
-        for &(p, q, _) in rotation_planes::<D>() {
-            // Strain rates at the lower edge of the cell, and at those of the upper neighbours along q and p.
-            let ([left, right], [below, above]) =
-                (next[p].map(|side| &side[i]), next[q].map(|side| &side[i]));
-            let own = stiffness * (h[p] - below[p] + h[q] - left[q]);
-            let up_q = stiffness * (above[p] - h[p] + above[q] - corner[p][q][i][q]);
-            let up_p = stiffness * (right[p] - corner[q][p][i][p] + right[q] - h[q]);
-            value[p] += own - up_q;
-            value[q] += own - up_p;
+        for &(p, q, _) in rotation_planes::<D>().iter().filter(|(p, q, _)| a == *p || a == *q) {
+            let b = p + q - a;
+            let ([below, above], beside) = (shifts.next[b].map(|shift| at(a, shift)), at(b, 0));
+            let [left, over] = [shifts.next[a][0], shifts.next[b][1]].map(|shift| at(b, shift));
+            let corner = at(b, shifts.corner[a][b]);
+            // The shear rate of the values of `a` and `b` and of those of the cells below, in the order of [`strain_rates`].
+            let rate = |a_here: T, a_low: T, b_here: T, b_low: T| {
+                let sum =
+                    if a == p { a_here - a_low + b_here - b_low } else { b_here - b_low + a_here - a_low };
+                stiffness * sum
+            };
+            for i in 0..count {
+                let own = rate(here[i], below[i], beside[i], left[i]);
+                v[i] = v[i] + (own - rate(above[i], here[i], over[i], corner[i]));
+            }
         }
-        v[i] = value;
+        product += dot_serial(here, v);
     }
+    product
 }

@@ -85,7 +85,7 @@ impl<const D: usize> Workspace<D> {
             band: Band::new(grid),
             liquid: Runs::default(),
             surfaces: SolidSurfaces::new(&model.solids, &start),
-            cut_cells: CutCells::uncut(grid),
+            cut_cells: CutCells::unopened(grid),
             known_faces: VelocityExtension::new(grid),
             cut_face_velocities: std::array::from_fn(|_| Vec::new()),
             dual_grid: DualGrid::new(grid, model.cell_bond_vector()),
@@ -93,7 +93,7 @@ impl<const D: usize> Workspace<D> {
             collision_points: Arc::new(CollisionPoints::of(model)),
             non_distance_cells: Vec::new(),
             overwritten_phi: Vec::new(),
-            phi_before: state.phi.clone(),
+            phi_before: CellField::new(grid, 0.0),
             initial_solid_areas: Vec::new(),
             repairs: Repairs::default(),
         };
@@ -142,6 +142,7 @@ impl<const D: usize> Workspace<D> {
     /// run finds the same.
     pub fn find_liquid(&mut self, model: &Model<D>, state: &State<D>) {
         self.tiles = self.tiles.around_negative(&state.phi.data);
+        self.cut_cells.open_tiles(&self.tiles.dilated());
         let negative = self.tiles.negative_runs(&state.phi.data);
         let open = |cell: usize| !self.cut_cells.is_closed(model.grid.lattice().coordinates(cell));
         let liquid =

@@ -215,6 +215,55 @@ impl<'a, const D: usize> Sampler<'a, D> {
         })
     }
 
+    /// Differences of the values at cell centres at the face `at` normal to `axis`: across the face, and along the other axes half the
+    /// mean of those between the next centres on either side of both cells.
+    pub fn face_differences(&self, axis: usize, at: [usize; D]) -> [f64; D] {
+        let Lattice { extent, stride } = &self.lattice;
+        let is_inner = (0..D).all(|b| at[b] > 0 && at[b] + usize::from(b != axis) < extent[b]);
+        let (upper, values) = (self.lattice.index(at), self.data);
+        if is_inner && let Some(lower) = upper.checked_sub(stride[axis]) {
+            let slope = |c: usize, b: usize| values[c + stride[b]] - values[c - stride[b]];
+            return std::array::from_fn(|b| {
+                if b == axis {
+                    values[upper] - values[lower]
+                } else {
+                    0.25 * (slope(upper, b) + slope(lower, b))
+                }
+            });
+        }
+        let upper = at.map(|i| i as isize);
+        let mut lower = upper;
+        lower[axis] -= 1;
+        let slope = |mut cell: [isize; D], b: usize| {
+            cell[b] += 1;
+            let up = self.value(cell);
+            cell[b] -= 2;
+            up - self.value(cell)
+        };
+        std::array::from_fn(|b| {
+            if b == axis {
+                self.value(upper) - self.value(lower)
+            } else {
+                0.25 * (slope(upper, b) + slope(lower, b))
+            }
+        })
+    }
+
+    /// The value of a signed distance at the centre of the face `at` normal to `axis`: quintic along the axis where it is smooth, else as
+    /// [`Self::distance`].
+    pub fn distance_at_face(&self, grid: &Grid<D>, axis: usize, at: [usize; D]) -> f64 {
+        let Lattice { extent, stride } = &self.lattice;
+        if at[axis] >= 3 && at[axis] + 3 <= extent[axis] && (0..D).all(|b| b == axis || at[b] < extent[b]) {
+            let first = self.lattice.index(at) - 3 * stride[axis];
+            let v: [f64; 6] = std::array::from_fn(|k| self.data[first + k * stride[axis]]);
+            let third_difference = (v[4] - v[1]) - 3.0 * (v[3] - v[2]);
+            if third_difference.abs() * self.inverse_dx < MAX_SMOOTH_THIRD_DIFFERENCE_CELLS {
+                return (150.0 * (v[2] + v[3]) - 25.0 * (v[1] + v[4]) + 3.0 * (v[0] + v[5])) / 256.0;
+            }
+        }
+        self.distance(&grid.face_center(axis, at))
+    }
+
     /// The lattice cell that contains `x`, and the coordinates of `x` in it.
     #[inline(always)]
     fn locate(&self, x: &Vector<D>) -> ([isize; D], [f64; D]) {

@@ -9,7 +9,7 @@
 
 use super::restart::{Start, with_restarts};
 use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
-use crate::linalg::vectors;
+use crate::linalg::{Real, vectors};
 
 /// Growth of the square of the residual above which the iteration counts as divergent. The iterate loses as many digits as the
 /// residual gains: here six of sixteen.
@@ -52,12 +52,37 @@ pub fn conjugate_gradient_with_workspace(
     })
 }
 
-/// Iterates from a true residual until the recursive one is small enough; returns the number of iterations done in all.
-fn iterate(
-    operator: &impl LinearOperator,
-    preconditioner: &impl Preconditioner,
+/// The same without a workspace, in single precision: each restart solves for the correction of `x` with vectors of half the size, and
+/// only the true residuals and `x` itself are in double precision. Made for solves that are bounded by the memory's bandwidth, to
+/// tolerances above 1e-7.
+///
+/// # Errors
+/// As [`conjugate_gradient`].
+pub fn conjugate_gradient_in_single_precision(
+    operator: &(impl LinearOperator + LinearOperator<f32>),
+    preconditioner: &impl Preconditioner<f32>,
+    b: &[f64],
     x: &mut [f64],
-    work: &mut [Vec<f64>; 3],
+    limits: SolveLimits,
+) -> Result<SolveReport, SolveError> {
+    let mut work = [(); 2].map(|()| vec![0.0; b.len()]);
+    with_restarts(operator, b, x, limits, &mut work, |x, [residual, image], start| {
+        let mut correction = vec![0.0; x.len()];
+        let mut work = [vectors::converted(residual), correction.clone(), correction.clone()];
+        let one = Start { norm: 1.0, ..start };
+        let result = iterate(operator, preconditioner, &mut correction, &mut work, one, limits);
+        *image = vectors::converted(&correction);
+        vectors::axpy(start.norm, image, x);
+        result
+    })
+}
+
+/// Iterates from a true residual until the recursive one is small enough; returns the number of iterations done in all.
+fn iterate<T: Real>(
+    operator: &impl LinearOperator<T>,
+    preconditioner: &impl Preconditioner<T>,
+    x: &mut [T],
+    work: &mut [Vec<T>; 3],
     Start { norm, square: first, mut iterations }: Start,
     SolveLimits { tolerance, max_iterations }: SolveLimits,
 ) -> Result<usize, SolveError> {
@@ -66,7 +91,7 @@ fn iterate(
     let failed =
         |iterations, square: f64| SolveError::NotConverged { iterations, residual: square.sqrt(), tolerance };
     let mut square = first;
-    let (mut alpha, mut rho) = (0.0, 0.0);
+    let (mut alpha, mut rho, mut applied) = (0.0, 0.0, None);
     while square.sqrt() > tolerance {
         if iterations == max_iterations {
             if rho != 0.0 {
@@ -74,7 +99,7 @@ fn iterate(
             }
             return Err(failed(iterations, square));
         }
-        let next = preconditioner.apply(r, q);
+        let next = applied.unwrap_or_else(|| preconditioner.apply(r, q));
         if rho == 0.0 {
             vectors::copy(q, p);
         } else {
@@ -89,7 +114,7 @@ fn iterate(
             return Err(failed(iterations, square));
         }
         alpha = rho / curvature;
-        square = vectors::subtract_scaled(alpha, q, r);
+        (square, applied) = preconditioner.subtract_and_apply(alpha, q, r);
         iterations += 1;
         if !square.is_finite() || square > MAX_RESIDUAL_GROWTH * first {
             return Err(SolveError::NotFinite { iteration: iterations });

@@ -6,5 +6,7 @@ mod restart;
 #[cfg(test)]
 mod tests;
 
-pub use conjugate_gradient::{conjugate_gradient, conjugate_gradient_with_workspace};
+pub use conjugate_gradient::{
+    conjugate_gradient, conjugate_gradient_in_single_precision, conjugate_gradient_with_workspace,
+};
 pub use minres::{minres, minres_with_workspace};

@@ -2,32 +2,7 @@
 
 use super::layout::{BLOCK_CELLS, LANES, Layout, MAX_SPAN_BLOCKS, ZERO_ENTRY};
 use rayon::prelude::*;
-use std::ops::{Add, Div, Mul, Range, Sub};
-
-/// The number types of the loops.
-pub trait Real:
-    Copy
-    + Default
-    + Send
-    + Sync
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-{
-    /// Rounds to this type.
-    fn from_f64(value: f64) -> Self;
-}
-impl Real for f64 {
-    fn from_f64(value: f64) -> Self {
-        value
-    }
-}
-impl Real for f32 {
-    fn from_f64(value: f64) -> Self {
-        value as Self
-    }
-}
+use std::ops::Range;
 
 /// Coefficients of the cells of one colour of a block: toward the lower and upper neighbour along each axis,
 /// then at [`DIAGONAL`] their sum plus the Dirichlet coefficient (1 where the row is empty).

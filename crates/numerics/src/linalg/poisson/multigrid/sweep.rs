@@ -1,7 +1,8 @@
 //! The loops over a level.
 
 use super::layout::LANES;
-use super::level::{Chunk, CoefficientPack, DIAGONAL, Real, Span, SpanCoefficients};
+use super::level::{Chunk, CoefficientPack, DIAGONAL, Span, SpanCoefficients};
+use crate::linalg::Real;
 use rayon::prelude::*;
 
 /// Runs `work` on every chunk together with the entries of `out` that belong to it; returns the results in
