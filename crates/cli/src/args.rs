@@ -354,6 +354,9 @@ pub struct BenchArgs {
     /// With step: number of timed steps of each scene [default: 8, with --quick 3].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub steps: Option<u32>,
+    /// With step: the work of each phase beside the bandwidth and the peak rate of the machine, on one thread and on all.
+    #[arg(long)]
+    pub roofline: bool,
     /// Threads; as many as the machine has without it.
     #[arg(long, value_name = "N", env = "MENISCUS_THREADS")]
     pub threads: Option<u16>,

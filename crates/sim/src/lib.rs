@@ -21,6 +21,7 @@ pub use collision::potential::stored_energy::{Barriers, advanced_solids};
 pub use contact_line::tracker::{ContactLine, LinePoint, LineTracker};
 pub use flow::outflow::OPEN_SIDE_MARGIN_CELLS;
 pub use flow::prescribed::PrescribedFlow;
+pub use flow::pressure::FlowSolves;
 pub use model::time_step::PhaseEnd;
 pub use model::{Model, Numerics, Scheme, Wall};
 pub use repairs::{Quantity, Repairs};

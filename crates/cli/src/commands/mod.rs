@@ -7,8 +7,6 @@ pub mod measure;
 pub mod run;
 pub mod scenes;
 pub mod soak;
-pub mod step_bench;
-mod table1;
 pub mod verify;
 pub mod view;
 

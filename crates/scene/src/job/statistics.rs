@@ -86,7 +86,9 @@ impl RunStatistics {
         self.least_element =
             [self.least_element, ledger.least_element].into_iter().flatten().reduce(f64::min);
         self.repairs.add(&report.repairs);
-        for iterations in report.solves.iter().map(|solve| solve.iterations as u64).filter(|n| *n > 0) {
+        for iterations in
+            report.solves.pressure.iter().map(|solve| solve.iterations as u64).filter(|n| *n > 0)
+        {
             self.solves += 1;
             self.iterations += iterations;
             self.most_iterations = self.most_iterations.max(iterations);

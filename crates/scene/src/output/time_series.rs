@@ -105,7 +105,7 @@ pub fn row<const D: usize>(
         None => row.push_str(",,,,,,"),
     }
     let _ = write!(row, ",{}", report.repairs.redone);
-    put(&mut row, &[report.solves[1].residual]);
+    put(&mut row, &[report.solves.pressure[1].residual]);
     put_known(&mut row, line.line_distance_cells);
     put_known(&mut row, ledger.least_element);
     let repairs = &report.repairs;

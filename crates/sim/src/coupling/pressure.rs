@@ -249,7 +249,7 @@ mod tests {
     use crate::collision::newton::NewtonSolver;
     use crate::collision::points::CollisionPoints;
     use crate::collision::potential::solid_terms::DeformableLoads;
-    use crate::flow::pressure::{Projection, ProjectionOptions};
+    use crate::flow::pressure::{FlowSolves, Projection, ProjectionOptions};
     use crate::free_surface::curvature::Curvature;
     use crate::free_surface::interface_faces::interface_faces;
     use crate::model::resolution::BAND_WIDTH_CELLS;
@@ -266,7 +266,7 @@ mod tests {
     struct Projected<const D: usize> {
         state: State<D>,
         impulses: Vec<Impulse<D>>,
-        solves: [SolveReport; 2],
+        solves: FlowSolves,
         fastest: f64,
     }
 
@@ -411,7 +411,7 @@ mod tests {
         inner.initial_velocity[0] = 1.0;
         let p =
             project::<D>(cells, vec![inner, Solid::new(shell, SolidKind::Fixed, 1.0)], 9.0, Vector::zeros());
-        (p.state.solids[0].velocity()[0], p.solves.iter().map(|s| s.iterations).sum())
+        (p.state.solids[0].velocity()[0], p.solves.pressure.iter().map(|s| s.iterations).sum())
     }
 
     fn added_mass_is_right<const D: usize>(cells: usize, bar: f64) {

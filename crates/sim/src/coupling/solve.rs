@@ -13,7 +13,7 @@ use crate::components::tracking::{ComponentChange, band_component, min_resolved_
 use crate::contact_line::force::{ContactLineForces, LineImpulses};
 use crate::contact_line::friction::{DraggedFace, line_friction_impulses};
 use crate::contact_line::solid_tension::{wetted_tension_forces, wetted_tension_stiffness};
-use crate::flow::pressure::{Projection, ProjectionOptions, ProjectionResult};
+use crate::flow::pressure::{FlowSolves, Projection, ProjectionOptions, ProjectionResult};
 use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
 use crate::model::time_step::{PhaseEnd, StepTimes};
@@ -22,12 +22,12 @@ use crate::solid::{SolidState, Solids};
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Runs, Sampler, Segment};
-use meniscus_numerics::linalg::{SolveError, SolveReport};
+use meniscus_numerics::linalg::SolveError;
 
 /// Results of the pressure solve.
 pub struct PressureSolution<const D: usize> {
-    /// Both pressure solves, of the last Newton iteration if there are several.
-    pub solves: [SolveReport; 2],
+    /// The solves of the last Newton iteration, if there are several.
+    pub solves: FlowSolves,
     /// Impulses of contact lines, pressure and friction on the solids.
     pub solid_impulses: [CouplingImpulses<D>; 3],
     /// Work, J (2D: J/m), of solids with prescribed motion through contacts.
@@ -125,7 +125,7 @@ fn apply_contact_line_forces<const D: usize>(
 
 /// Results of one of the two solves below.
 struct SolidImpulses<const D: usize> {
-    solves: [SolveReport; 2],
+    solves: FlowSolves,
     /// Impulses of pressure and friction.
     impulses: [CouplingImpulses<D>; 2],
     contact_work: f64,

@@ -85,10 +85,19 @@ pub struct ProjectionOptions {
     pub tolerance: f64,
 }
 
+/// The linear solves for the velocity of the liquid in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FlowSolves {
+    /// Those of the pressure: one for the forces, and a short one for viscosity and the second-order correction at the interface.
+    pub pressure: [SolveReport; 2],
+    /// That of viscosity.
+    pub viscosity: SolveReport,
+}
+
 /// Results of a projection other than the velocity.
 pub struct ProjectionResult<const D: usize> {
-    /// Both solves.
-    pub solves: [SolveReport; 2],
+    /// All solves.
+    pub solves: FlowSolves,
     /// Impulses of the pressure on the solids.
     pub pressure_impulses: CouplingImpulses<D>,
     /// Velocity changes of the solids' nodes, m/s; empty without a response.
@@ -125,19 +134,19 @@ impl<const D: usize> PressureFields<D> {
         assembled.assemble(model, p, &coupling, &start);
         let mut system = assembled.prepare(backend.as_mut(), model, p, compliance.as_ref())?;
         let limits = SolveLimits { tolerance, max_iterations: model.numerics.max_iterations };
-        let mut solves = [SolveReport::default(); 2];
+        let mut solves = FlowSolves::default();
         if warm_start {
             std::mem::swap(p.pressure_impulse, first_solution);
         }
-        solves[0] = system.solve(&assembled.rhs, p.pressure_impulse, limits)?;
-        solves[1].residual = solves[0].residual;
+        solves.pressure[0] = system.solve(&assembled.rhs, p.pressure_impulse, limits)?;
+        solves.pressure[1].residual = solves.pressure[0].residual;
         let corrections = second_order_corrections(model, p);
         let off_center_impulses =
             coupling.off_center_impulses(|cell| pressure_gradient(model, p, cell), p.label);
         let viscous = model.kinematic_viscosity > 0.0;
         if viscous {
             phase_end("pressure");
-            apply_viscosity(model, p, &corrections)?;
+            solves.viscosity = apply_viscosity(model, p, &corrections)?;
             phase_end("viscosity");
         }
         let mut node_velocity_change = start;
@@ -153,7 +162,7 @@ impl<const D: usize> PressureFields<D> {
                 (false, Some(_)) => first_solution.data.clone_from(&p.pressure_impulse.data),
                 (false, None) => {}
             }
-            solves[1] = system.solve(&assembled.rhs, p.pressure_impulse, limits)?;
+            solves.pressure[1] = system.solve(&assembled.rhs, p.pressure_impulse, limits)?;
         }
         let mut pressure_impulses = coupling.impulses(&p.pressure_impulse.data, p.label);
         pressure_impulses.extend(&off_center_impulses);
@@ -244,7 +253,7 @@ fn apply_viscosity<const D: usize>(
     model: &Model<D>,
     p: &mut Projection<'_, D>,
     corrections: &[f64],
-) -> Result<(), SolveError> {
+) -> Result<SolveReport, SolveError> {
     apply_pressure_gradient(model, p, corrections, 1.0);
     let before: Vec<f64> = p.dragged_faces.iter().map(|f| p.velocity.axes[f.axis][f.face]).collect();
     let mut diffusion = Diffusion {
@@ -255,10 +264,10 @@ fn apply_viscosity<const D: usize>(
         liquid_faces: p.liquid_faces,
         cut_cells: p.cut_cells,
     };
-    diffusion.advance(model, p.impulse_time)?;
+    let report = diffusion.advance(model, p.impulse_time)?;
     scale_by_mobility(p, before);
     apply_pressure_gradient(model, p, corrections, -1.0);
-    Ok(())
+    Ok(report)
 }
 
 /// Scales the change of velocity on dragged faces since `before` by their mobility.

@@ -128,7 +128,7 @@ fn the_operator_is_symmetric() {
 }
 
 fn deep_stretches_are_the_general_operator<const D: usize>() {
-    let model = model::<D>(24);
+    let model = model::<D>(32);
     let (mut state, work) = liquid(&model, ball, |_| Vector::zeros());
     let d = diffusion(&mut state, &work);
     let places = UnknownCells::new(&model, &d);

@@ -5,7 +5,7 @@ use crate::components::moments::Moments;
 use crate::components::momentum::{MomentumTargets, combined};
 use crate::components::restoration::restore_momentum;
 use crate::components::tracking::ComponentChange;
-use crate::flow::pressure::divergence_max;
+use crate::flow::pressure::{FlowSolves, divergence_max};
 use crate::free_surface::curvature::Curvature;
 use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::{InterfaceFace, interface_faces};
@@ -16,7 +16,6 @@ use crate::state::{Component, State};
 use meniscus_elastic::{Elastic, ElasticState};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
-use meniscus_numerics::linalg::SolveReport;
 use rayon::prelude::*;
 
 /// Sums over the whole liquid. In 2D everything is per metre of depth.
@@ -60,8 +59,8 @@ pub struct StepReport<const D: usize> {
     /// Courant number: `dt/Δ` times the larger of the liquid's largest velocity component and the speed of the
     /// fastest solid, before the step.
     pub cfl: f64,
-    /// The pressure solves: one for the forces, and a short one for viscosity and the second-order correction at the interface.
-    pub solves: [SolveReport; 2],
+    /// The linear solves, those of the last Newton iteration if there are any.
+    pub solves: FlowSolves,
     /// Newton iterations for solids and pressure; 0 if the motion of all solids is prescribed.
     pub newton_iterations: u64,
     /// Repairs of the step, and how often it was halved and repeated.
@@ -71,9 +70,9 @@ pub struct StepReport<const D: usize> {
 }
 
 impl<const D: usize> StepReport<D> {
-    /// Iterations of both solves together.
+    /// Iterations of the pressure solves together.
     pub fn iterations(&self) -> usize {
-        self.solves.iter().map(|solve| solve.iterations).sum()
+        self.solves.pressure.iter().map(|solve| solve.iterations).sum()
     }
 }
 

@@ -14,6 +14,7 @@ use crate::contact_line::friction::{DraggedFace, LineFriction};
 use crate::contact_line::hysteresis::pin_contact_lines;
 use crate::coupling::solve::{PressureSolution, PressureStep, prescribed_solid_work, solve_pressure};
 use crate::flow::outflow::remove_outflow;
+use crate::flow::pressure::FlowSolves;
 use crate::free_surface::curvature::{
     FilterStep, InterfaceDisplacement, InterfaceLayers, SolidContext, curvature,
 };
@@ -27,13 +28,13 @@ use crate::repairs::Repairs;
 use crate::solid::{SolidState, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::Sampler;
-use meniscus_numerics::linalg::{SolveError, SolveReport};
+use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::par;
 
 /// Result of a step.
 pub struct StepResult {
-    /// The pressure solves, those of the last Newton iteration if there are any.
-    pub solves: [SolveReport; 2],
+    /// The solves, those of the last Newton iteration if there are any.
+    pub solves: FlowSolves,
     /// Newton iterations for solids and pressure.
     pub newton_iterations: u64,
     /// Work done by solids of prescribed motion, J.

@@ -15,7 +15,7 @@ use crate::model::{Model, Scheme};
 use crate::repairs::Repairs;
 use crate::solid::{SolidView, Solids};
 use crate::state::State;
-use meniscus_numerics::grid::{Runs, Sampler};
+use meniscus_numerics::grid::{Band, Runs, Sampler};
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_numerics::{Vector, par};
@@ -333,6 +333,11 @@ impl<const D: usize> Simulation<D> {
     /// The liquid cells (centre in the liquid) as runs labelled with their component.
     pub fn liquid_cells(&self) -> &Runs {
         &self.workspace.liquid
+    }
+
+    /// The cells of the narrow band.
+    pub fn band(&self) -> &Band<D> {
+        &self.workspace.band
     }
 
     /// The solids in their current states.

@@ -50,7 +50,7 @@ fn checks<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
 pub(super) fn max_iterations<const D: usize>(mut sim: Simulation<D>, steps: u64) -> Result<f64, StepError> {
     let mut most = 0;
     while sim.state.step < steps {
-        let solves = sim.step(f64::INFINITY, &mut |_| ())?.solves;
+        let solves = sim.step(f64::INFINITY, &mut |_| ())?.solves.pressure;
         most = solves.iter().map(|s| s.iterations).fold(most, usize::max);
     }
     Ok(most as f64)

@@ -1,7 +1,9 @@
 //! `meniscus bench`: run times by part.
 
-use super::step_bench::{StepBench, step};
-use super::table1::table1;
+mod roofline;
+mod step;
+mod table1;
+
 use super::{print, save, with_threads};
 use crate::args::BenchArgs;
 use crate::failure::{Failure, Result, USAGE};
@@ -9,9 +11,12 @@ use meniscus_scene::builtin;
 use meniscus_scene::estimate::memory;
 use meniscus_scene::file::{LoadOptions, Scene};
 use meniscus_validation::pressure_bench::{self, PressureBench, PressureProblem};
+use roofline::Machine;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
+use step::{StepBench, step};
+use table1::table1;
 
 /// Runs the requested benchmarks.
 pub fn bench(args: &BenchArgs) -> Result {
@@ -28,6 +33,9 @@ pub fn bench(args: &BenchArgs) -> Result {
     if !times_steps && (!args.scene.is_empty() || args.steps.is_some()) {
         return Err(Failure::new(USAGE, "--scene and --steps belong to `meniscus bench step`"));
     }
+    if args.roofline && args.names != ["step"] {
+        return Err(Failure::new(USAGE, "--roofline belongs to `meniscus bench step`"));
+    }
     with_threads(args.threads.map(usize::from), || measure(args))
 }
 
@@ -40,7 +48,7 @@ fn measure(args: &BenchArgs) -> Result {
         results["pressure"] = pressure(args.quick)?;
     }
     if wanted("step") {
-        results["step"] = steps(args)?;
+        results["step"] = if args.roofline { rooflines(args)? } else { steps(args, None)? };
     }
     // It takes long, so it runs only on request.
     if args.names.iter().any(|n| n == "table1") {
@@ -86,7 +94,22 @@ fn pressure_row(r: &PressureBench) -> String {
 /// The scenes of `bench step`.
 const STEP_SCENES: [&str; 4] = ["drop", "body", "crown-splash", "drop-large"];
 
-fn steps(args: &BenchArgs) -> Result<Value> {
+/// Whole steps beside the limits of the machine, on one thread and on all.
+fn rooflines(args: &BenchArgs) -> Result<Value> {
+    let all = rayon::current_num_threads();
+    let mut counts = vec![1, all];
+    counts.dedup();
+    let on = |threads: usize| {
+        with_threads(Some(threads), || {
+            let machine = Machine::measure();
+            Ok(json!({ "machine": machine, "scenes": steps(args, Some(&machine))? }))
+        })
+    };
+    counts.into_iter().map(on).collect::<Result<Vec<_>>>().map(Value::from)
+}
+
+/// Times whole steps, and prints them beside the limits of the `machine` if it is given.
+fn steps(args: &BenchArgs, machine: Option<&Machine>) -> Result<Value> {
     let named = args.scene.iter().map(String::as_str);
     let names: Vec<&str> = if args.scene.is_empty() { STEP_SCENES.to_vec() } else { named.collect() };
     let count = args.steps.map_or(if args.quick { 3 } else { 8 }, |n| n as usize);
@@ -101,7 +124,7 @@ fn steps(args: &BenchArgs) -> Result<Value> {
             2 => step::<2>(name, &scene, count)?,
             _ => step::<3>(name, &scene, count)?,
         };
-        print(&step_rows(&row))?;
+        print(&machine.map_or_else(|| step_rows(&row), |machine| roofline::rows(&row, machine)))?;
         rows.push(row);
     }
     Ok(json!(rows))

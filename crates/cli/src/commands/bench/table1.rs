@@ -1,7 +1,7 @@
 //! `meniscus bench table1`: the paper's Table 1 and the times of Meniscus.
 
-use super::step_bench::{StepBench, step};
-use super::{grid_text, print, version};
+use super::super::{grid_text, print, version};
+use super::step::{StepBench, step};
 use crate::failure::Result;
 use meniscus_scene::builtin;
 use meniscus_scene::estimate::memory;

@@ -17,6 +17,11 @@ pub struct StepBench {
     pub cells: usize,
     /// Liquid cells at the end.
     pub liquid_cells: usize,
+    /// Cells of the narrow band at the end, and those of them next to the interface.
+    pub band_cells: usize,
+    pub surface_cells: usize,
+    /// Number of dimensions.
+    pub dimension: i32,
     /// Vertices of the deformable solids.
     pub vertices: usize,
     /// Their elements.
@@ -29,6 +34,8 @@ pub struct StepBench {
     pub seconds_per_step: f64,
     /// Iterations of the pressure solve in a step.
     pub iterations_per_step: f64,
+    /// Iterations of the solve for viscosity in a step.
+    pub viscosity_iterations_per_step: f64,
     /// Seconds per step in each phase.
     pub phases: Vec<(String, f64)>,
     /// Peak memory of this process so far, bytes.
@@ -39,7 +46,7 @@ pub struct StepBench {
 pub fn step<const D: usize>(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
     let mut simulation = build::setup::<D>(scene)?.simulation();
     let mut phases: Vec<(String, f64)> = Vec::new();
-    let (mut seconds, mut iterations, mut time) = (0.0, 0, 0.0);
+    let (mut seconds, mut iterations, mut viscosity_iterations, mut time) = (0.0, 0, 0, 0.0);
     for i in 0..WARM_UP_STEPS + count {
         let start = Instant::now();
         let mut last = start;
@@ -58,6 +65,7 @@ pub fn step<const D: usize>(name: String, scene: &Scene, count: usize) -> Result
         if i >= WARM_UP_STEPS {
             seconds += start.elapsed().as_secs_f64();
             iterations += report.iterations();
+            viscosity_iterations += report.solves.viscosity.iterations;
             time += report.dt;
         }
     }
@@ -67,12 +75,16 @@ pub fn step<const D: usize>(name: String, scene: &Scene, count: usize) -> Result
         name,
         cells: scene.domain.cells.iter().product(),
         liquid_cells: simulation.liquid_cells().cell_count(),
+        band_cells: simulation.band().cells.len(),
+        surface_cells: simulation.band().first_layers(1).len(),
+        dimension: D as i32,
         vertices: meshes.iter().map(|m| m.positions.len()).sum(),
         elements: meshes.iter().map(|m| m.simplices.len()).sum(),
         steps: count,
         time_step: time / count as f64,
         seconds_per_step: seconds / count as f64,
         iterations_per_step: iterations as f64 / count as f64,
+        viscosity_iterations_per_step: viscosity_iterations as f64 / count as f64,
         phases,
         peak_memory_bytes: peak_memory(),
     })
