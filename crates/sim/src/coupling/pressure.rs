@@ -259,7 +259,6 @@ mod tests {
     use crate::state::State;
     use meniscus_numerics::Matrix;
     use meniscus_numerics::grid::{FaceField, Grid};
-    use meniscus_numerics::linalg::SolveReport;
     use meniscus_numerics::shape::Shape;
     use std::f64::consts::PI;
 
