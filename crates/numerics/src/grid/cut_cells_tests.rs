@@ -127,6 +127,10 @@ fn tiles_are_cut_alike<const D: usize>() {
     let (mut some, mut all) = (CutCells::uncut(grid), CutCells::uncut(grid));
     some.rebuild(&[solid], &tiles);
     all.rebuild(&[solid], &Tiles::all(grid));
+    // Faces that are opened after the cells are cut stay cut.
+    let mut late = CutCells::unopened(grid);
+    late.rebuild(&[solid], &tiles);
+    late.open_tiles(&tiles.dilated());
     let at = |cell: u32| grid.lattice().coordinates(cell as usize);
     let inside: Vec<_> = all.cells.iter().filter(|w| tiles.is_active(at(w.cell))).copied().collect();
     assert!(!inside.is_empty() && inside.len() < all.cells.len());
@@ -138,6 +142,7 @@ fn tiles_are_cut_alike<const D: usize>() {
             face[a] += up;
             let face = grid.face_lattice(a).index(face);
             assert_eq!(some.open_fraction.axes[a][face], all.open_fraction.axes[a][face]);
+            assert_eq!(late.open_fraction.axes[a][face], all.open_fraction.axes[a][face]);
         }
     }
 }

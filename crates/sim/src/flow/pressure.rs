@@ -88,9 +88,9 @@ pub struct ProjectionOptions {
 /// The linear solves for the velocity of the liquid in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FlowSolves {
-    /// Those of the pressure: one for the forces, and a short one for viscosity and the second-order correction at the interface.
+    /// The pressure solves: one for the forces, and a short one for viscosity and the second-order correction at the interface.
     pub pressure: [SolveReport; 2],
-    /// That of viscosity.
+    /// The solve of the implicit viscous step.
     pub viscosity: SolveReport,
 }
 

@@ -4,7 +4,7 @@
 //! A phase that moves `B` bytes between memory and processor and does `F` operations on floating-point numbers takes at least the larger of
 //! `B/b` and `F/f`, with the bandwidth `b` of a triad, `a = b + s c`, and the peak rate `f` of multiply–adds, both measured here on the same
 //! threads. `B` is what must move if every array that a phase reads and writes passes once, and `F` what its formulas need
-//! (`book/performance.md` derives both). Limit: lists of cells, and arrays that a phase makes for itself, are not counted.
+//! (`book/performance.md` lists both; operations of curvature, volume and momentum are estimates). Limit: lists of cells, and arrays that a phase makes for itself, are not counted.
 
 use super::step::StepBench;
 use rayon::prelude::*;
@@ -21,10 +21,10 @@ const REPETITIONS: usize = 5;
 const SUMS: usize = 12;
 /// Multiply–adds of each of these sums.
 const SUM_LENGTH: usize = 1 << 20;
-/// Bytes of a number in double precision.
-const DOUBLE: f64 = 8.0;
-/// The same in single precision.
-const SINGLE: f64 = 4.0;
+/// Size of a number in double precision, bytes.
+const DOUBLE: f64 = size_of::<f64>() as f64;
+/// Size of a number in single precision, bytes.
+const SINGLE: f64 = size_of::<f32>() as f64;
 
 /// Limits of the machine with the threads of the current pool.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -83,14 +83,16 @@ fn best_seconds(mut work: impl FnMut()) -> f64 {
     (0..REPETITIONS).map(once).fold(f64::INFINITY, f64::min)
 }
 
-/// What a phase must do in a step.
+/// The data that a phase of a step has to move, and the arithmetic that it has to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Work {
-    /// What it visits.
+    /// Kind of the entities that the phase loops over.
     items: &'static str,
-    /// How many of them.
+    /// Number of these entities.
     count: f64,
+    /// Bytes that move between memory and processor.
     bytes: f64,
+    /// Floating-point operations.
     operations: f64,
 }
 
@@ -212,8 +214,8 @@ mod tests {
             "momentum and extension",
         ];
         for phase in phases {
-            let work = work(phase, &row).unwrap();
-            assert!(work.bytes > 0.0 && work.operations > 0.0, "{phase}");
+            let work = work(phase, &row);
+            assert!(work.is_some_and(|work| work.bytes > 0.0 && work.operations > 0.0), "{phase}");
         }
         assert_eq!(work("solids", &row), None);
         assert!(peak_rate(1) > 1e7);

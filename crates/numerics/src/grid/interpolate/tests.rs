@@ -1,4 +1,5 @@
 use super::*;
+use crate::grid::FaceField;
 
 fn cubic_is_exact<const D: usize>() {
     let grid = Grid::<D>::new([8; D], 0.25);
@@ -72,4 +73,53 @@ fn the_side_decides_the_sign<const D: usize>() {
 fn beyond_a_thin_solid_lies_no_surface_of_this_side() {
     the_side_decides_the_sign::<2>();
     the_side_decides_the_sign::<3>();
+}
+
+/// What is read at lattice places agrees with the general interpolation, in the middle and beside the sides.
+fn places_are_those_of_the_general_forms<const D: usize>() {
+    let grid = Grid::<D>::new([9; D], 0.5);
+    let lattice = grid.lattice();
+    let plane = |x: &Vector<D>| 0.8 * (x[0] - 2.1) + 0.6 * (x[D - 1] - 1.9) + 2e-3 * x[0] * x[1] * x[D - 1];
+    let data: Vec<f64> = (0..lattice.len()).map(|i| plane(&grid.center(lattice.coordinates(i)))).collect();
+    let distance = Sampler::cells(&grid, &data, [[BoundaryExtension::Even; 2]; D]);
+    for axis in 0..D {
+        let faces = grid.face_lattice(axis);
+        for at in (0..faces.len()).map(|f| faces.coordinates(f)) {
+            let value = distance.distance(&grid.face_center(axis, at));
+            assert!((distance.distance_at_face(&grid, axis, at) - value).abs() < 1e-12, "{D}D {at:?}");
+            let cell = |along: isize, b: usize, by: isize| {
+                let mut cell = at.map(|i| i as isize);
+                cell[axis] += along;
+                cell[b] += by;
+                distance.value(cell)
+            };
+            let expected: [f64; D] = std::array::from_fn(|b| match b == axis {
+                true => cell(0, b, 0) - cell(-1, b, 0),
+                false => 0.25 * (cell(0, b, 1) - cell(0, b, -1) + (cell(-1, b, 1) - cell(-1, b, -1))),
+            });
+            let found = distance.face_differences(axis, at);
+            assert!((0..D).all(|b| (found[b] - expected[b]).abs() < 1e-13), "{D}D {at:?}");
+        }
+    }
+    let mut velocity = FaceField::zeros(grid);
+    for (a, values) in velocity.axes.iter_mut().enumerate() {
+        values.iter_mut().enumerate().for_each(|(f, u)| *u = (0.02 * f as f64 + a as f64).sin());
+    }
+    let normal = |a: usize| {
+        std::array::from_fn(|b| [[BoundaryExtension::Even, BoundaryExtension::Odd][usize::from(a == b)]; 2])
+    };
+    let flow = VelocitySampler::new(&grid, &velocity, normal);
+    for at in (0..lattice.len()).map(|i| lattice.coordinates(i)) {
+        let found = flow.cubic_at_cell(at);
+        for a in 0..D {
+            let unlimited = flow.component(a).cubic_with_gradient(&grid.center(at)).0;
+            assert!((found[a] - unlimited).abs() < 1e-12, "{D}D {at:?}");
+        }
+    }
+}
+
+#[test]
+fn values_at_faces_and_centres_are_those_of_the_general_interpolation() {
+    places_are_those_of_the_general_forms::<2>();
+    places_are_those_of_the_general_forms::<3>();
 }

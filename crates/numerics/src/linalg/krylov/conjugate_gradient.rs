@@ -53,8 +53,8 @@ pub fn conjugate_gradient_with_workspace(
 }
 
 /// The same without a workspace, in single precision: each restart solves for the correction of `x` with vectors of half the size, and
-/// only the true residuals and `x` itself are in double precision. Made for solves that are bounded by the memory's bandwidth, to
-/// tolerances above 1e-7.
+/// only the true residuals and `x` itself are in double precision. Limit, as of every iterative refinement: the condition
+/// number must stay well below 2²⁴, the inverse of the rounding error.
 ///
 /// # Errors
 /// As [`conjugate_gradient`].

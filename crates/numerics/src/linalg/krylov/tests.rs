@@ -1,4 +1,4 @@
-use super::{conjugate_gradient, minres, minres_with_workspace};
+use super::{conjugate_gradient, conjugate_gradient_in_single_precision, minres, minres_with_workspace};
 use crate::linalg::{Jacobi, LinearOperator, Preconditioner, SolveError, SolveLimits};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -253,4 +253,47 @@ fn the_result_depends_on_neither_threads_nor_the_workspace() {
     };
     let (one, three) = (solve(1, 0.0), solve(3, f64::NAN));
     assert!(one.iter().zip(&three).all(|(a, b)| a.to_bits() == b.to_bits()));
+}
+
+/// An operator whose images of vectors in single precision are rounded.
+struct Rounded(Laplacian);
+
+impl LinearOperator for Rounded {
+    fn size(&self) -> usize {
+        self.0.size()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) {
+        self.0.apply(x, y);
+    }
+}
+
+impl LinearOperator<f32> for Rounded {
+    fn size(&self) -> usize {
+        self.0.size()
+    }
+
+    fn apply(&self, x: &[f32], y: &mut [f32]) {
+        let x: Vec<f64> = x.iter().map(|x| f64::from(*x)).collect();
+        let mut image = vec![0.0; x.len()];
+        self.0.apply(&x, &mut image);
+        y.iter_mut().zip(image).for_each(|(y, value)| *y = value as f32);
+    }
+}
+
+/// Rounding of the correction would stop at 1e-7 without restarts from the true residual.
+#[test]
+fn single_precision_reaches_the_tolerance_of_double_precision() {
+    let operator = Rounded(Laplacian { n: 20, dirichlet: true, shift: 0.0 });
+    let b = numbers(400);
+    let jacobi = Jacobi::new(&vec![4.0; 400]);
+    let (mut x, mut reference) = (vec![0.0; 400], vec![0.0; 400]);
+    let report = conjugate_gradient_in_single_precision(&operator, &jacobi, &b, &mut x, LIMITS).unwrap();
+    let double = conjugate_gradient(&operator.0, &none(400), &b, &mut reference, LIMITS).unwrap();
+    assert!(residual(&operator.0, &b, &x) <= LIMITS.tolerance, "{report:?}");
+    // The condition number is 178.
+    let error = x.iter().zip(&reference).map(|(x, exact)| (x - exact).abs()).fold(0.0, f64::max);
+    let size = reference.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+    assert!(error < 2.0 * 178.0 * LIMITS.tolerance * size, "{error:e}");
+    assert!(report.iterations < 3 * double.iterations, "{report:?} {double:?}");
 }
