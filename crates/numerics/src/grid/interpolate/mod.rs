@@ -215,8 +215,8 @@ impl<'a, const D: usize> Sampler<'a, D> {
         })
     }
 
-    /// Differences of the values at cell centres at the face `at` normal to `axis`: across the face, and along the other axes half the
-    /// mean of those between the next centres on either side of both cells.
+    /// Differences, per cell, of the values at cell centres at the face `at` normal to `axis`: that of its two cells, and along the other axes
+    /// the mean of the central differences at these cells.
     pub fn face_differences(&self, axis: usize, at: [usize; D]) -> [f64; D] {
         let Lattice { extent, stride } = &self.lattice;
         let is_inner = (0..D).all(|b| at[b] > 0 && at[b] + usize::from(b != axis) < extent[b]);
