@@ -26,7 +26,7 @@ pub use model::time_step::PhaseEnd;
 pub use model::{Model, Numerics, Scheme, Wall};
 pub use repairs::{Quantity, Repairs};
 pub use simulation::diagnostics::{Diagnostics, StepReport};
-pub use simulation::{LiquidRegion, Simulation, StepError};
+pub use simulation::{Compiled, LiquidRegion, Simulation, StepError};
 pub use solid::domain_walls::WETTING_WALL_MARGIN_CELLS;
 pub use solid::kind;
 pub use solid::mass_properties::MassProperties;

@@ -5,7 +5,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
-    LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, StepError, StepReport, Wall,
+    Compiled, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, StepError, StepReport, Wall,
 };
 
 /// Radius of the drops.
@@ -63,7 +63,10 @@ pub fn wetted<const D: usize>(shape: Shape<D>, angle: f64) -> Solid<D> {
 pub fn at_rest<const D: usize>(
     model: Model<D>,
     signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
-) -> Simulation<D> {
+) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     in_flight(model, signed_distance, Vector::zeros())
 }
 
@@ -72,12 +75,18 @@ pub fn in_flight<const D: usize>(
     model: Model<D>,
     signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
     velocity: Vector<D>,
-) -> Simulation<D> {
+) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     Simulation::new(model, &[LiquidRegion { signed_distance, velocity }])
 }
 
 /// A simulation with bodies of liquid of given shapes and velocities.
-pub fn with_bodies<const D: usize>(model: Model<D>, bodies: &[(Shape<D>, Vector<D>)]) -> Simulation<D> {
+pub fn with_bodies<const D: usize>(model: Model<D>, bodies: &[(Shape<D>, Vector<D>)]) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let distances: Vec<_> =
         bodies.iter().map(|(shape, _)| |x: &Vector<D>| shape.signed_distance(x)).collect();
     let velocities = bodies.iter().map(|(_, velocity)| *velocity);
@@ -152,7 +161,10 @@ pub fn rayleigh_frequency<const D: usize>(mode: u32) -> f64 {
 ///
 /// # Errors
 /// The step's.
-pub fn run_drop<const D: usize>(run: &DropRun) -> Result<DropHistory, StepError> {
+pub fn run_drop<const D: usize>(run: &DropRun) -> Result<DropHistory, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = RADIUS / run.cells as f64;
     let cells = (3.4 * run.cells as f64).ceil() as usize;
     let mut model = model(Grid::<D>::new([cells; D], dx), [[Wall::Open; 2]; D]);

@@ -11,8 +11,8 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    Barriers, Diagnostics, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, StepError, Wall,
-    overlaps,
+    Barriers, Compiled, Diagnostics, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind,
+    StepError, Wall, overlaps,
 };
 use std::sync::Arc;
 
@@ -142,7 +142,10 @@ pub fn simulation_without_liquid<const D: usize>(
     solids: Vec<Solid<D>>,
     gravity: Vector<D>,
     max_step: f64,
-) -> Simulation<D> {
+) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let model = Model {
         surface_tension: 0.0,
         gravity,

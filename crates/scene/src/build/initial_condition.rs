@@ -1,7 +1,7 @@
 //! Initial condition of a simulation.
 
 use meniscus_numerics::Vector;
-use meniscus_sim::{LiquidRegion, Model, Simulation};
+use meniscus_sim::{Compiled, LiquidRegion, Model, Simulation};
 use std::sync::Arc;
 
 /// Initial condition of a simulation: its model and the bodies of liquid.
@@ -18,7 +18,10 @@ pub type SignedDistanceFn<const D: usize> = Arc<dyn Fn(&Vector<D>) -> f64 + Send
 
 impl<const D: usize> Setup<D> {
     /// The simulation in its initial state.
-    pub fn simulation(&self) -> Simulation<D> {
+    pub fn simulation(&self) -> Simulation<D>
+    where
+        Simulation<D>: Compiled<D>,
+    {
         let bodies: Vec<LiquidRegion<'_, D>> = self
             .bodies
             .iter()

@@ -18,6 +18,7 @@ pub use outcome::Outcome;
 
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder};
+use meniscus_sim::{Compiled, Simulation};
 
 /// Runs a simulation into a folder. `stop` is polled between steps, and from another thread within them.
 ///
@@ -30,7 +31,10 @@ pub fn run<const D: usize>(
     existing: ExistingRun,
     stop: &(dyn Fn() -> Option<Stop> + Sync),
     observer: &mut dyn Observer,
-) -> Result<Outcome, RunError> {
+) -> Result<Outcome, RunError>
+where
+    Simulation<D>: Compiled<D>,
+{
     if existing == ExistingRun::Resume
         && let Some(summary) = finished(job, folder)?
     {

@@ -9,6 +9,7 @@ use crate::build::Setup;
 use crate::job::Job;
 use crate::output::time_series::TimeSeriesWriter;
 use crate::output::{FileError, Folder};
+use meniscus_sim::Compiled;
 use meniscus_sim::Simulation;
 
 /// A session that continues from the newest undamaged checkpoint. Without any checkpoint the run begins.
@@ -17,7 +18,10 @@ pub(super) fn resume<'a, const D: usize>(
     job: &'a Job,
     folder: &'a Folder,
     observer: &mut dyn Observer,
-) -> Result<Session<'a, D>, RunError> {
+) -> Result<Session<'a, D>, RunError>
+where
+    Simulation<D>: Compiled<D>,
+{
     folder.check_not_busy()?;
     let mut failure = None;
     for path in checkpoint::list(&folder.checkpoints()) {

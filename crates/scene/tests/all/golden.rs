@@ -12,7 +12,7 @@ use meniscus_scene::build::AnySetup;
 use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use meniscus_scene::run::checkpoint;
 use meniscus_scene::run::{RunStatistics, Setup};
-use meniscus_sim::{Simulation, SolidSurfaces, Solids, State};
+use meniscus_sim::{Compiled, Simulation, SolidSurfaces, Solids, State};
 use std::path::{Path, PathBuf};
 
 /// Steps of a scene.
@@ -62,7 +62,10 @@ fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 }
 
 /// Runs a scene on one thread to its end; on the way it is written and read, run on with two threads, and a step is undone.
-fn run<const D: usize>(name: &str, setup: &Setup<D>) -> Golden {
+fn run<const D: usize>(name: &str, setup: &Setup<D>) -> Golden
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut whole = setup.simulation();
     with_threads(1, || walk(&mut whole, STEPS / 2));
     let mut resumed = there_and_back(name, &whole);
@@ -81,7 +84,10 @@ fn run<const D: usize>(name: &str, setup: &Setup<D>) -> Golden {
 }
 
 /// The simulation after its checkpoint has been written and read.
-fn there_and_back<const D: usize>(name: &str, simulation: &Simulation<D>) -> Simulation<D> {
+fn there_and_back<const D: usize>(name: &str, simulation: &Simulation<D>) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let folder = std::env::temp_dir().join(format!(
         "meniscus-golden-{}-{}",
         name.replace('/', "-"),

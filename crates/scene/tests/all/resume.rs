@@ -5,7 +5,7 @@
 use meniscus_scene::build;
 use meniscus_scene::builtin;
 use meniscus_scene::file::LoadOptions;
-use meniscus_sim::{Simulation, State};
+use meniscus_sim::{Compiled, Simulation, State};
 
 fn differences<const D: usize>(a: &State<D>, b: &State<D>) -> String {
     let count = |x: &[f64], y: &[f64]| x.iter().zip(y).filter(|(x, y)| x.to_bits() != y.to_bits()).count();
@@ -29,7 +29,10 @@ fn differences<const D: usize>(a: &State<D>, b: &State<D>) -> String {
     out
 }
 
-fn check<const D: usize>(name: &str, resolution: usize, steps: usize) {
+fn check<const D: usize>(name: &str, resolution: usize, steps: usize)
+where
+    Simulation<D>: Compiled<D>,
+{
     let sets = vec![format!("domain.resolution={resolution}")];
     let scene = builtin::open(name, &LoadOptions { sets, ..LoadOptions::default() }).unwrap();
     let mut whole: Simulation<D> = build::setup(&scene).unwrap().simulation();

@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::simulation::diagnostics::update_diagnostics;
 use crate::simulation::transport::{move_interface, restore_signed_distance};
 use crate::simulation::workspace::Workspace;
-use crate::simulation::{LiquidRegion, Simulation};
+use crate::simulation::{Compiled, LiquidRegion, Simulation};
 use crate::solid::Solids;
 use crate::state::State;
 use meniscus_numerics::Vector;
@@ -22,7 +22,10 @@ pub struct PrescribedFlow<const D: usize> {
 
 impl<const D: usize> PrescribedFlow<D> {
     /// The liquid within the zero level set of a signed distance.
-    pub fn new(mut model: Model<D>, signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> Self {
+    pub fn new(mut model: Model<D>, signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync)) -> Self
+    where
+        Simulation<D>: Compiled<D>,
+    {
         // The momentum of a prescribed flow is not corrected.
         model.numerics.restore_momentum = false;
         let Simulation { model, mut state, .. } =

@@ -1,10 +1,9 @@
 //! A simulation: model and state, one step, and its report.
 
 pub mod diagnostics;
-pub mod dimension;
 pub mod step;
 pub mod stepper;
 pub mod transport;
 pub mod workspace;
 
-pub use stepper::{LiquidRegion, Simulation, StepError};
+pub use stepper::{Compiled, LiquidRegion, Simulation, StepError};

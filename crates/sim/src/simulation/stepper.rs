@@ -4,7 +4,6 @@ use super::diagnostics::{
     Diagnostics, StepReport, diagnostics, energy_without_gravity, max_velocity_component, potential_energy,
     update_diagnostics,
 };
-use super::dimension::by_dimension;
 use super::step::{StepResult, step as meniscus_step};
 use super::transport::restore_signed_distance;
 use super::workspace::{Snapshot, Workspace};
@@ -113,12 +112,16 @@ pub struct Simulation<const D: usize> {
     /// The evolving state.
     pub state: State<D>,
     pub(crate) workspace: Workspace<D>,
+    functions: Functions<D>,
 }
 
 impl<const D: usize> Simulation<D> {
     /// A simulation that starts from regions of liquid. Where regions overlap, the first one's velocity applies. Liquid that
     /// may reach an open side needs a model [with open sides](Model::with_open_sides).
-    pub fn new(model: Model<D>, regions: &[LiquidRegion<'_, D>]) -> Self {
+    pub fn new(model: Model<D>, regions: &[LiquidRegion<'_, D>]) -> Self
+    where
+        Self: Compiled<D>,
+    {
         let grid = model.grid;
         let mut state = State::empty(grid);
         state.solids = model.initial_solids();
@@ -137,11 +140,13 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Resumes a simulation from a state (a checkpoint), with the same bits as without an interruption.
-    pub fn resume(model: Model<D>, state: State<D>) -> Self {
-        let mut parts = (model, state);
-        let workspace = by_dimension(&mut parts, (), workspace_2, workspace_3);
-        let (model, state) = parts;
-        Self { model, state, workspace }
+    pub fn resume(model: Model<D>, mut state: State<D>) -> Self
+    where
+        Self: Compiled<D>,
+    {
+        let functions = Self::FUNCTIONS;
+        let workspace = (functions.workspace)(&model, &mut state);
+        Self { model, state, workspace, functions }
     }
 
     /// Clamps φ beyond the band, as every step does.
@@ -184,7 +189,7 @@ impl<const D: usize> Simulation<D> {
                 },
             );
         }
-        by_dimension(self, (), open_2, open_3)
+        (self.functions.initialise)(self)
     }
 
     fn initialise(&mut self) {
@@ -209,7 +214,7 @@ impl<const D: usize> Simulation<D> {
     /// # Errors
     /// [`StepError`], which tells how the state is then.
     pub fn step(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
-        by_dimension(self, (max_dt, phase_end), step_2, step_3)
+        (self.functions.step)(self, max_dt, phase_end)
     }
 
     fn advance(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
@@ -392,31 +397,30 @@ impl<const D: usize> Simulation<D> {
     }
 }
 
-/// Functions of one dimension ([`super::dimension`]).
-macro_rules! of_dimension {
-    ($d:literal, $workspace:ident, $open:ident, $step:ident) => {
-        #[inline(never)]
-        fn $workspace((model, state): &mut (Model<$d>, State<$d>), (): ()) -> Workspace<$d> {
-            Workspace::new(model, state)
-        }
-
-        #[inline(never)]
-        fn $open(simulation: &mut Simulation<$d>, (): ()) {
-            simulation.initialise();
-        }
-
-        #[inline(never)]
-        fn $step(
-            simulation: &mut Simulation<$d>,
-            (max_dt, phase_end): (f64, PhaseEnd<'_>),
-        ) -> Result<StepReport<$d>, StepError> {
-            simulation.advance(max_dt, phase_end)
-        }
-    };
+/// The functions of a simulation that this crate compiles. Generic code is compiled again in every crate that uses it, with
+/// everything it calls, here the whole step: a simulation holds pointers to them instead.
+#[derive(Clone, Copy)]
+pub struct Functions<const D: usize> {
+    workspace: fn(&Model<D>, &mut State<D>) -> Workspace<D>,
+    initialise: fn(&mut Simulation<D>),
+    step: fn(&mut Simulation<D>, f64, PhaseEnd<'_>) -> Result<StepReport<D>, StepError>,
 }
 
-of_dimension!(2, workspace_2, open_2, step_2);
-of_dimension!(3, workspace_3, open_3, step_3);
+/// A simulation in two or three dimensions. Generic code that starts one has the bound `Simulation<D>: Compiled<D>`.
+pub trait Compiled<const D: usize> {
+    /// The functions that are compiled for this dimension.
+    const FUNCTIONS: Functions<D>;
+}
+
+impl Compiled<2> for Simulation<2> {
+    const FUNCTIONS: Functions<2> =
+        Functions { workspace: Workspace::new, initialise: Self::initialise, step: Self::advance };
+}
+
+impl Compiled<3> for Simulation<3> {
+    const FUNCTIONS: Functions<3> =
+        Functions { workspace: Workspace::new, initialise: Self::initialise, step: Self::advance };
+}
 
 #[cfg(test)]
 mod tests {

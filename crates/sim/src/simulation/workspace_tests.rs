@@ -14,7 +14,7 @@ fn liquid_beyond_a_wall_is_none() {
     let model = Model::of_test(grid, vec![wall]);
     let left = |x: &Vector<2>| (x[0] - 7.3).max(x[1] - 9.2);
     let body = LiquidRegion { signed_distance: &left, velocity: Vector::zeros() };
-    let Simulation { model, mut state, mut workspace } = Simulation::new(model, &[body]);
+    let Simulation { model, mut state, mut workspace, .. } = Simulation::new(model, &[body]);
     let before = workspace.liquid.clone();
     let beyond = grid.lattice().index([8, 8]);
     state.phi.data[beyond] = -0.1;
@@ -46,7 +46,7 @@ fn a_step_taken_back_leaves_the_drops_that_were() {
     let model = Model::of_test(grid, vec![ball(10.0), ball(21.0)]);
     let pool = |x: &Vector<2>| x[1] - 16.3;
     let body = LiquidRegion { signed_distance: &pool, velocity: Vector::zeros() };
-    let Simulation { model, mut state, mut workspace } = Simulation::new(model, &[body]);
+    let Simulation { model, mut state, mut workspace, .. } = Simulation::new(model, &[body]);
     let mut changed = 0;
     for _ in 0..40 {
         let before = state.components.clone();

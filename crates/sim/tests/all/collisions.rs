@@ -6,7 +6,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
-    LiquidRegion, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, SolidState, Wall,
+    Compiled, LiquidRegion, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, SolidState, Wall,
 };
 
 const GRAVITY: f64 = 10.0;
@@ -17,7 +17,10 @@ const REACH: f64 = 0.25 * DX;
 /// A step longer than any that is taken.
 pub const LONG: f64 = 0.5;
 
-pub fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: f64) -> Simulation<D> {
+pub fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: f64) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let model = Model {
         grid: Grid::new([CELLS; D], DX),
         walls: [[Wall::Slip; 2]; D],
@@ -72,7 +75,10 @@ fn books<const D: usize>(s: &Simulation<D>) -> (Vector<D>, Vector<3>, f64) {
     sum
 }
 
-fn bounces<const D: usize>(step: f64) {
+fn bounces<const D: usize>(step: f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut center = Vector::repeat(0.5);
     center[D - 1] = 0.85;
     for restitution in [0.3, 0.5, 0.8, 1.0] {
@@ -102,7 +108,10 @@ fn a_ball_bounces_as_its_restitution_says() {
     bounces::<3>(LONG);
 }
 
-fn incline<const D: usize>(friction: f64, expected: impl Fn(f64) -> f64) {
+fn incline<const D: usize>(friction: f64, expected: impl Fn(f64) -> f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let alpha = 0.4f64;
     let mut normal = Vector::zeros();
     (normal[0], normal[D - 1]) = (alpha.sin(), alpha.cos());
@@ -139,7 +148,10 @@ fn a_ball_rolls_or_slides_down_an_incline() {
     incline::<3>(0.0, |_| s);
 }
 
-fn central<const D: usize>() {
+fn central<const D: usize>()
+where
+    Simulation<D>: Compiled<D>,
+{
     let at = |x: f64| Vector::<D>::from_fn(|a, _| if a == 0 { x } else { 0.5 });
     let fast = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });
     for restitution in [1.0, 0.5] {
@@ -175,7 +187,10 @@ fn balls_in_a_row_hand_the_blow_on() {
     central::<3>();
 }
 
-fn off_centre<const D: usize>() {
+fn off_centre<const D: usize>()
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut first =
         block::<D>(Vector::repeat(0.3), Vector::from_fn(|a, _| 0.12 - 0.03 * a as f64), SolidKind::Rigid);
     first.initial_velocity = Vector::from_fn(|a, _| 1.0 - 0.1 * a as f64);
@@ -209,7 +224,10 @@ fn an_off_centre_hit_keeps_momentum_and_spin() {
     off_centre::<3>();
 }
 
-fn rests<const D: usize>(count: usize, flush: bool) {
+fn rests<const D: usize>(count: usize, flush: bool)
+where
+    Simulation<D>: Compiled<D>,
+{
     let half = Vector::<D>::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.1 });
     let gap = if flush { 0.0 } else { 0.05 * DX };
     let boxes = (0..count).map(|k| {
@@ -252,7 +270,10 @@ fn boxes_at_rest_stay_at_rest() {
     rests::<3>(3, true);
 }
 
-fn dropped_stack<const D: usize>() {
+fn dropped_stack<const D: usize>()
+where
+    Simulation<D>: Compiled<D>,
+{
     let half = Vector::<D>::from_fn(|a, _| if a + 1 == D { 0.05 } else { 0.1 });
     let boxes = (0..3).map(|k| {
         let mut center = Vector::repeat(0.5 + 0.01 * k as f64);
@@ -276,7 +297,10 @@ fn a_dropped_stack_comes_to_rest() {
     dropped_stack::<3>();
 }
 
-fn bar_meets_plate<const D: usize>() {
+fn bar_meets_plate<const D: usize>()
+where
+    Simulation<D>: Compiled<D>,
+{
     let thin = |a: usize| if a == 0 { 0.15 * DX } else { 0.2 };
     let mut center = Vector::repeat(0.5);
     center[0] = 0.3;

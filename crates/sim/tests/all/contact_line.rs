@@ -6,8 +6,8 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    ContactLine, Kinematics, LineTracker, LiquidRegion, Model, Numerics, RigidKinematics, Simulation, Solid,
-    SolidKind, Wall,
+    Compiled, ContactLine, Kinematics, LineTracker, LiquidRegion, Model, Numerics, RigidKinematics,
+    Simulation, Solid, SolidKind, Wall,
 };
 use std::f64::consts::TAU;
 
@@ -16,7 +16,10 @@ fn up<const D: usize>() -> Vector<D> {
 }
 
 /// A ball of liquid (radius 1, centre given) on a solid, `cells` per radius.
-fn drop_on<const D: usize>(cells: usize, center: Vector<D>, shape: Shape<D>, angle: f64) -> Simulation<D> {
+fn drop_on<const D: usize>(cells: usize, center: Vector<D>, shape: Shape<D>, angle: f64) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = 1.0 / cells as f64;
     let mut solid = Solid::new(shape, SolidKind::Fixed, 1.0);
     solid.young_cosine = angle.to_radians().cos();
@@ -40,7 +43,10 @@ fn find<const D: usize>(simulation: &Simulation<D>) -> ContactLine<D> {
 
 /// Largest errors on an exact cap on a plane (tilted in 2D): angle, degrees; place of the line, cells; length over that of
 /// the circle less one; and how far the lattice's line is from it, cells.
-fn cap_errors<const D: usize>(cells: usize, angle: f64, offset: f64) -> [f64; 4] {
+fn cap_errors<const D: usize>(cells: usize, angle: f64, offset: f64) -> [f64; 4]
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = 1.0 / cells as f64;
     let tilt = if D == 2 { 0.2 } else { 0.0 };
     let normal = (up::<D>() + Vector::from_fn(|a, _| if a == 0 { tilt } else { 0.0 })).normalize();
@@ -58,7 +64,10 @@ fn cap_errors<const D: usize>(cells: usize, angle: f64, offset: f64) -> [f64; 4]
     [wrong, place, length, line.line_distance_cells.expect("a line")]
 }
 
-fn caps<const D: usize>(cells: usize, bars: [f64; 4]) {
+fn caps<const D: usize>(cells: usize, bars: [f64; 4])
+where
+    Simulation<D>: Compiled<D>,
+{
     for angle in [20.0, 30.0, 60.0, 90.0, 120.0, 150.0, 160.0] {
         let all: Vec<[f64; 4]> = [0.0, 0.2, 0.5, 0.8].map(|o| cap_errors::<D>(cells, angle, o)).to_vec();
         let worst: [f64; 4] = std::array::from_fn(|k| all.iter().fold(0.0f64, |m, e| m.max(e[k].abs())));
@@ -73,7 +82,10 @@ fn caps<const D: usize>(cells: usize, bars: [f64; 4]) {
 }
 
 /// Errors of the angle and of the distance along the surface on an exact cap on a ball that has turned since the start.
-fn on_a_ball<const D: usize>(cells: usize, angle: f64) {
+fn on_a_ball<const D: usize>(cells: usize, angle: f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let (dx, radius) = (1.0 / cells as f64, 0.8);
     let center = Vector::from_fn(|a, _| if a + 1 == D { 0.9 } else { 1.5 + 0.13 * dx });
     let gap = (1.0 + radius * radius - 2.0 * radius * angle.to_radians().cos()).sqrt();
@@ -134,7 +146,10 @@ fn an_exact_cap_is_measured_wherever_the_lattice_is() {
 }
 
 /// A drop on a plane or a ball, viscous enough to be at rest in the end.
-fn rests<const D: usize>(cells: usize, angle: f64, curved: bool) {
+fn rests<const D: usize>(cells: usize, angle: f64, curved: bool)
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = 1.0 / cells as f64;
     let point = Vector::from_fn(|a, _| if a + 1 == D { 1.0 + 0.3 * dx } else { 1.5 + 0.13 * dx });
     let shape = match curved {

@@ -4,7 +4,7 @@
 
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{LiquidRegion, Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{Compiled, LiquidRegion, Model, Numerics, Simulation, StepError, Wall};
 
 fn model<const D: usize>(cells: usize) -> Model<D> {
     Model {
@@ -21,7 +21,10 @@ fn model<const D: usize>(cells: usize) -> Model<D> {
 
 /// Two drops of radius 0.15 that fly at each other at ±1 along x, their surfaces 0.1 apart, met half-way at `x`: the
 /// time when they are one.
-fn meeting_time<const D: usize>(x: f64) -> f64 {
+fn meeting_time<const D: usize>(x: f64) -> f64
+where
+    Simulation<D>: Compiled<D>,
+{
     let ball = |center: f64| {
         move |at: &Vector<D>| {
             let mut arm = at - Vector::repeat(0.5);
@@ -108,7 +111,10 @@ fn small_drops_that_graze_do_not_whirl() {
 
 /// A ball of four cells in radius whose centre is `shift` cells from where the lattice is symmetric: its kinetic energy over that of
 /// its volume at 1 m/s.
-fn energy_in_flight<const D: usize>(shift: f64) -> f64 {
+fn energy_in_flight<const D: usize>(shift: f64) -> f64
+where
+    Simulation<D>: Compiled<D>,
+{
     let center = Vector::<D>::repeat(0.5 + shift / 40.0);
     let ball = |x: &Vector<D>| (x - center).norm() - 0.1;
     let velocity = Vector::from_fn(|a, _| if a == 0 { 1.0 } else { 0.0 });

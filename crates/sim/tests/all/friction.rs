@@ -3,13 +3,16 @@
 use crate::soft::collide::{DX, GRAVITY, down, dry, lattice, mapped, run, soft};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Simulation, Solid, SolidKind};
+use meniscus_sim::{Compiled, Simulation, Solid, SolidKind};
 
 const ALPHA: f64 = 0.4;
 const HALF: f64 = 0.08;
 
 /// A block on a slope, and the direction down it. The block lies where the barrier begins to press.
-fn slope<const D: usize>(rigid: bool, friction: f64, step: f64) -> (Simulation<D>, Vector<D>) {
+fn slope<const D: usize>(rigid: bool, friction: f64, step: f64) -> (Simulation<D>, Vector<D>)
+where
+    Simulation<D>: Compiled<D>,
+{
     let turn = Matrix::<D>::from_fn(|r, c| match (r, c) {
         (0, 0) => ALPHA.cos(),
         (0, c) if c + 1 == D => ALPHA.sin(),
@@ -31,7 +34,10 @@ fn slope<const D: usize>(rigid: bool, friction: f64, step: f64) -> (Simulation<D
 }
 
 /// Creep of a block that friction holds, in a number of steps, over its side.
-fn creep<const D: usize>(rigid: bool, step: f64) {
+fn creep<const D: usize>(rigid: bool, step: f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let (mut simulation, along) = slope::<D>(rigid, 0.6, step);
     let place = |s: &Simulation<D>| s.state.solids[1].center_of_mass().dot(&along);
     // By then blocks have stopped rocking from their fall on the barrier.
@@ -57,7 +63,10 @@ fn rigid_ones_stay_with_steps_of_any_length() {
 }
 
 /// A rigid block slides as Coulomb says, once it no longer rocks from its fall on the barrier.
-fn slides<const D: usize>(friction: f64) {
+fn slides<const D: usize>(friction: f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let (mut simulation, along) = slope::<D>(true, friction, 1e-3);
     let speed = |s: &Simulation<D>| s.state.solids[1].velocity().dot(&along);
     run(&mut simulation, 0.25, |_| ());

@@ -6,8 +6,8 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
-    LineTracker, LiquidRegion, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, Wall,
-    WettabilityLayer,
+    Compiled, LineTracker, LiquidRegion, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind,
+    Wall, WettabilityLayer,
 };
 
 /// Half a ball of liquid (radius 1) on a wall that it meets at `outside` degrees, and at `inside` where x is between `low`
@@ -17,7 +17,10 @@ fn drop_on<const D: usize>(
     outside: f64,
     (low, high, inside): (f64, f64, f64),
     speed: f64,
-) -> Simulation<D> {
+) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = 1.0 / cells as f64;
     let cosine = |degrees: f64| degrees.to_radians().cos();
     let point = Vector::from_fn(|a, _| if a + 1 == D { 0.5 + 0.3 * dx } else { 2.0 + 0.14 * dx });
@@ -65,7 +68,10 @@ fn reach<const D: usize>(simulation: &Simulation<D>) -> [f64; 2] {
 }
 
 /// How far a drop goes in three capillary times whose middle is on a step from 60 degrees (left) to 120 degrees.
-fn way_on_a_step<const D: usize>(cells: usize) -> f64 {
+fn way_on_a_step<const D: usize>(cells: usize) -> f64
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut simulation = drop_on::<D>(cells, 120.0, (-50.0, 0.0, 60.0), 0.0);
     let before = simulation.diagnostics().centroid[0];
     run_to(&mut simulation, 3.0);

@@ -7,7 +7,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
-    LiquidRegion, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, Wall,
+    Compiled, LiquidRegion, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, Wall,
     narrowest_current_gap,
 };
 
@@ -26,7 +26,10 @@ fn model<const D: usize>(cells: usize, solids: Vec<Solid<D>>) -> Model<D> {
     }
 }
 
-fn filled<const D: usize>(model: Model<D>, height: f64) -> Simulation<D> {
+fn filled<const D: usize>(model: Model<D>, height: f64) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let distance = |x: &Vector<D>| x[D - 1] - height;
     Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
 }
@@ -45,7 +48,10 @@ fn shell<const D: usize>(radius: f64) -> Solid<D> {
     Solid::new(shape, SolidKind::Fixed, 1.0)
 }
 
-fn tank_rests<const D: usize>(cells: usize) {
+fn tank_rests<const D: usize>(cells: usize)
+where
+    Simulation<D>: Compiled<D>,
+{
     let normal = Vector::<D>::from_fn(|a, _| if a + 1 == D { 1.0 } else { 0.3 });
     let bottom = Shape::HalfSpace { point: Vector::repeat(0.11), normal };
     let solids =
@@ -66,7 +72,10 @@ fn a_tank_with_a_ball_and_a_slanting_bottom_stays_at_rest() {
     tank_rests::<3>(24);
 }
 
-fn light_ball_rises<const D: usize>(cells: usize, bar: f64) {
+fn light_ball_rises<const D: usize>(cells: usize, bar: f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let density = 0.3;
     let ball = Solid::new(ball(0.2), SolidKind::Rigid, density);
     let mut simulation = filled(model::<D>(cells, vec![ball, shell(0.45)]), 9.0);
@@ -115,7 +124,10 @@ fn a_stirrer_that_goes_as_told_moves_the_liquid_without_divergence() {
 }
 
 /// A plate with a drop on it, off its middle, both free; no gravity.
-fn drop_on_free_plate<const D: usize>(cells: usize, steps: usize) {
+fn drop_on_free_plate<const D: usize>(cells: usize, steps: usize)
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut center = Vector::repeat(0.51);
     center[D - 1] = 0.4;
     let half_size = Vector::from_fn(|a, _| if a + 1 == D { 0.06 } else { 0.34 });
@@ -194,7 +206,10 @@ fn small_drops_on_free_solids_do_not_whirl() {
 }
 
 /// The narrowest gap is told with the numbers of both solids, of a solid and a side, or not at all.
-fn narrow_gaps_are_told<const D: usize>() {
+fn narrow_gaps_are_told<const D: usize>()
+where
+    Simulation<D>: Compiled<D>,
+{
     let half = Vector::repeat(0.1);
     let at = |height: f64| {
         let mut center = Vector::repeat(0.5);

@@ -7,7 +7,8 @@ use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_sim::{
-    ContactLine, LineTracker, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, SolidState, Wall,
+    Compiled, ContactLine, LineTracker, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind,
+    SolidState, Wall,
 };
 
 /// A box of `size` with closed sides, `cells` cells a unit of length.
@@ -31,7 +32,10 @@ fn walled<const D: usize>(cells: usize, size: Vector<D>, angle: f64) -> Model<D>
 }
 
 /// A ball of liquid, radius 1, as far as it is in the domain.
-fn ball<const D: usize>(model: Model<D>, center: Vector<D>) -> Simulation<D> {
+fn ball<const D: usize>(model: Model<D>, center: Vector<D>) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let distance = |x: &Vector<D>| (x - center).norm() - 1.0;
     Simulation::new(model, &[LiquidRegion { signed_distance: &distance, velocity: Vector::zeros() }])
 }
@@ -95,7 +99,10 @@ fn a_drop_on_a_wall_is_one_on_a_half_space() {
 }
 
 /// Settles a drop where sides meet; it must be part of a ball that meets all of them at the angle.
-fn corner<const D: usize>(cells: usize, wide: f64, angle: f64, [bar, off]: [f64; 2]) {
+fn corner<const D: usize>(cells: usize, wide: f64, angle: f64, [bar, off]: [f64; 2])
+where
+    Simulation<D>: Compiled<D>,
+{
     let middle = Vector::from_fn(|a, _| [0.31, 0.17, 0.05][a]);
     let mut sim = ball(walled(cells, Vector::<D>::repeat(wide), angle), middle);
     settle(&mut sim, 15.0);

@@ -15,7 +15,7 @@ use meniscus_scene::estimate::check::check;
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::summary::peak_memory;
 use meniscus_scene::run::{RunStatistics, Setup};
-use meniscus_sim::{Model, State, StepError};
+use meniscus_sim::{Compiled, Model, Simulation, State, StepError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -86,7 +86,10 @@ fn run_guarded<const D: usize>(
     outcome: Outcome,
     wanted: Option<&'static str>,
     hung: fn(&Outcome),
-) -> Result<Outcome, String> {
+) -> Result<Outcome, String>
+where
+    Simulation<D>: Compiled<D>,
+{
     let model = setup.model.clone();
     let record = Record { outcome, model, state_before_step: None, step_began: None, written: false };
     let record = Arc::new(Mutex::new(record));
@@ -112,7 +115,10 @@ fn lock<const D: usize>(record: &Mutex<Record<D>>) -> MutexGuard<'_, Record<D>> 
 }
 
 /// Ends a step that takes too long.
-fn guard<const D: usize>(record: &Mutex<Record<D>>, case: &Case, hung: fn(&Outcome)) {
+fn guard<const D: usize>(record: &Mutex<Record<D>>, case: &Case, hung: fn(&Outcome))
+where
+    Simulation<D>: Compiled<D>,
+{
     loop {
         std::thread::sleep(POLL_INTERVAL);
         let mut record = lock(record);
@@ -151,7 +157,10 @@ impl<const D: usize> Record<D> {
     }
 
     /// Writes scene and checkpoint before the first violation, once.
-    fn save(&mut self, case: &Case) -> Result<(), String> {
+    fn save(&mut self, case: &Case) -> Result<(), String>
+    where
+        Simulation<D>: Compiled<D>,
+    {
         if std::mem::replace(&mut self.written, true) {
             return Ok(());
         }
@@ -179,7 +188,10 @@ struct Worker<const D: usize> {
 }
 
 impl<const D: usize> Worker<D> {
-    fn work(&mut self, setup: &Setup<D>, wanted: Option<&'static str>) {
+    fn work(&mut self, setup: &Setup<D>, wanted: Option<&'static str>)
+    where
+        Simulation<D>: Compiled<D>,
+    {
         let case = self.case.clone();
         forget_peak_memory();
         lock(&self.record).step_began = Some(cpu_time::of_this_process());
@@ -217,7 +229,10 @@ impl<const D: usize> Worker<D> {
         walk: &mut ScheduledSimulation<D>,
         books: &mut InvariantChecks<D>,
         tally: &mut RunStatistics,
-    ) -> bool {
+    ) -> bool
+    where
+        Simulation<D>: Compiled<D>,
+    {
         {
             let mut record = lock(&self.record);
             record.state_before_step = Some((walk.simulation.state.clone(), tally.clone()));
@@ -256,7 +271,10 @@ impl<const D: usize> Worker<D> {
     }
 
     /// Writes the evidence if there is a violation.
-    fn save(&self) {
+    fn save(&self)
+    where
+        Simulation<D>: Compiled<D>,
+    {
         let mut record = lock(&self.record);
         if !record.outcome.violations.is_empty()
             && let Err(error) = record.save(&self.case)

@@ -3,7 +3,7 @@
 use meniscus_scene::build::Setup;
 use meniscus_scene::file::Scene;
 use meniscus_scene::job::Schedule;
-use meniscus_sim::{Simulation, StepError, StepReport};
+use meniscus_sim::{Compiled, Simulation, StepError, StepReport};
 
 /// A simulation with the step schedule of `meniscus run`.
 pub struct ScheduledSimulation<const D: usize> {
@@ -16,7 +16,10 @@ pub struct ScheduledSimulation<const D: usize> {
 
 impl<const D: usize> ScheduledSimulation<D> {
     /// Starts at time zero.
-    pub fn start(setup: &Setup<D>, scene: &Scene) -> Self {
+    pub fn start(setup: &Setup<D>, scene: &Scene) -> Self
+    where
+        Simulation<D>: Compiled<D>,
+    {
         Self::from(setup.simulation(), scene, 1)
     }
 

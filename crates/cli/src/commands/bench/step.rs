@@ -4,6 +4,7 @@ use crate::failure::{Failure, Result};
 use meniscus_scene::build;
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::summary::peak_memory;
+use meniscus_sim::{Compiled, Simulation};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -43,7 +44,10 @@ pub struct StepBench {
 }
 
 /// Times `count` steps of a scene.
-pub fn step<const D: usize>(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
+pub fn step<const D: usize>(name: String, scene: &Scene, count: usize) -> Result<StepBench>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut simulation = build::setup::<D>(scene)?.simulation();
     let mut phases: Vec<(String, f64)> = Vec::new();
     let (mut seconds, mut iterations, mut viscosity_iterations, mut time) = (0.0, 0, 0, 0.0);

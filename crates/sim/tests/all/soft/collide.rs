@@ -7,7 +7,7 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, Wall};
+use meniscus_sim::{Compiled, Model, Numerics, PrescribedMotion, Simulation, Solid, SolidKind, Wall};
 use std::sync::Arc;
 
 pub const GRAVITY: f64 = 10.0;
@@ -104,7 +104,10 @@ pub fn rigid<const D: usize>(center: Vector<D>, half_size: Vector<D>, kind: Soli
     Solid::new(Shape::Box { center, half_size, rotation: Matrix::identity() }, kind, DENSITY)
 }
 
-pub fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: f64) -> Simulation<D> {
+pub fn dry<const D: usize>(solids: Vec<Solid<D>>, gravity: Vector<D>, max_step: f64) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let model = Model {
         grid: Grid::new([CELLS; D], DX),
         walls: [[Wall::Slip; 2]; D],
@@ -178,7 +181,10 @@ pub fn depth<const D: usize>(s: &Simulation<D>) -> f64 {
     meniscus_sim::overlaps(s.solids()).iter().map(|o| o.2).fold(worst, f64::max)
 }
 
-fn drops<const D: usize>(n: usize, step: f64) {
+fn drops<const D: usize>(n: usize, step: f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let mesh = ball::<D>(n, at(0.5, 0.32), 0.15);
     let mut simulation = dry::<D>(vec![soft(mesh, 4e3, 0.02, Vec::new())], down(), step);
     let (mut worst, mut highest, mut hit) = (f64::NEG_INFINITY, 0.0f64, false);
@@ -202,7 +208,10 @@ fn a_soft_ball_bounces() {
     drops::<3>(4, 4e-3);
 }
 
-fn rests<const D: usize>(n: usize, young: f64) {
+fn rests<const D: usize>(n: usize, young: f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let mesh = ball::<D>(n, at(0.5, 0.1525), 0.15);
     let mut simulation = dry::<D>(vec![soft(mesh, young, 1.0, Vec::new())], down(), 2e-3);
     let mut held = Vec::new();
@@ -227,7 +236,10 @@ fn a_soft_ball_rests_with_its_weight() {
 }
 
 /// The change of the angular momentum, over the balls' momentum and radius.
-fn meet<const D: usize>(n: usize, offset: f64, young: f64, friction: f64, step: f64) -> f64 {
+fn meet<const D: usize>(n: usize, offset: f64, young: f64, friction: f64, step: f64) -> f64
+where
+    Simulation<D>: Compiled<D>,
+{
     let (one, other) = (ball::<D>(n, at(0.3, 0.5), 0.15), ball::<D>(n, at(0.7, 0.5 + offset), 0.15));
     let mut solids = vec![soft(one, young, 0.0, Vec::new()), soft(other, young, 0.0, Vec::new())];
     solids[0].initial_velocity[0] = 1.0;
@@ -274,7 +286,10 @@ fn soft_balls_meet() {
 }
 
 /// The weight of a block on an incline, and how far it gets.
-fn slides<const D: usize>(friction: f64) {
+fn slides<const D: usize>(friction: f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let alpha = 0.4f64;
     let turned = |x: f64, y: f64| {
         let mut v = Vector::<D>::zeros();
@@ -324,7 +339,10 @@ fn a_soft_block_slides_or_sticks_on_an_incline() {
 }
 
 /// With no gap at the start but for rounding, on a floor that ends under the block.
-fn stands<const D: usize>() {
+fn stands<const D: usize>()
+where
+    Simulation<D>: Compiled<D>,
+{
     let floor = rigid(at(0.5, 0.25), Vector::repeat(0.125), SolidKind::Fixed);
     let mesh =
         block([4; D], at(0.5, 0.5 + 1e-12), Vector::from_fn(|a, _| if a + 1 == D { 0.125 } else { 0.1875 }));
@@ -344,7 +362,10 @@ fn a_soft_block_stands_on_a_rigid_floor_without_a_gap() {
     stands::<3>();
 }
 
-fn ball_on_beam<const D: usize>(n: [usize; D], half: Vector<D>) {
+fn ball_on_beam<const D: usize>(n: [usize; D], half: Vector<D>)
+where
+    Simulation<D>: Compiled<D>,
+{
     let mesh = block(n, at(0.5, 0.3), half);
     let ends = Anchor::within(&mesh, |x: &Vector<D>| (x[0] - 0.5).abs() > half[0] - 1e-9);
     let beam = soft(mesh, 2e5, 0.05, vec![ends]);
@@ -368,7 +389,10 @@ fn a_rigid_ball_falls_on_a_soft_beam() {
     ball_on_beam::<3>([12, 6, 2], Vector::from([0.42, 0.2, 0.03]));
 }
 
-fn squeezed<const D: usize>(n: [usize; D]) {
+fn squeezed<const D: usize>(n: [usize; D])
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut half = Vector::repeat(0.2);
     half[D - 1] = 0.06;
     let flat = Vector::from_fn(|a, _| if a + 1 == D { 0.04 } else { 0.35 });
@@ -396,7 +420,10 @@ fn a_soft_plate_is_squeezed() {
 }
 
 /// Two solids of one mesh at one place: no vertex of one is inside the other.
-fn same_place<const D: usize>() {
+fn same_place<const D: usize>()
+where
+    Simulation<D>: Compiled<D>,
+{
     let solid = || soft(block([4; D], Vector::repeat(0.5), Vector::repeat(0.1)), 1e3, 0.0, Vec::new());
     let model = Model { solids: vec![solid(), solid()], ..dry(Vec::new(), Vector::zeros(), 1.0).model };
     let deepest = meniscus_sim::initial_overlaps(&model).iter().map(|o| o.2).fold(0.0, f64::max);

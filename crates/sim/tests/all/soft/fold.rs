@@ -8,7 +8,7 @@ use crate::soft::collide::{
 use meniscus_elastic::Anchor;
 use meniscus_numerics::Vector;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Kinematics, LiquidRegion, Simulation, Solid, SolidKind};
+use meniscus_sim::{Compiled, Kinematics, LiquidRegion, Simulation, Solid, SolidKind};
 
 /// Distance of far parts of a strip with so many columns of vertices, m.
 fn own_distance(s: &Simulation<2>, columns: usize) -> f64 {
@@ -125,7 +125,10 @@ fn the_halves_of_a_fine_sheet_meet() {
 }
 
 /// Plates thrown at each other with their edges ahead, and at a rigid box.
-fn edges_first<const D: usize>(n: [usize; D], speed: f64) {
+fn edges_first<const D: usize>(n: [usize; D], speed: f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let flat = Vector::<D>::from_fn(|a, _| if a + 1 == D { 0.012 } else { 0.15 });
     let plate = |angle: f64, yaw: f64, center: Vector<D>| {
         let turned = move |x: &Vector<D>| {
@@ -173,7 +176,10 @@ fn plates_meet_with_their_edges_first() {
 }
 
 /// Soft and rigid balls in a heap.
-fn heaps<const D: usize>(n: usize, time: f64) {
+fn heaps<const D: usize>(n: usize, time: f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut solids = Vec::new();
     for k in 0..9 {
         let place = Vector::<D>::from_fn(|a, _| match a {

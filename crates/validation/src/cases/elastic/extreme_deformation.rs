@@ -16,7 +16,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Simulation, Solid, SolidKind, StepError, Wall};
+use meniscus_sim::{Compiled, Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::TAU;
 
 /// The case.
@@ -65,7 +65,10 @@ const MATERIAL: SoftMaterial = SoftMaterial { young: 1000.0, poisson: 0.4, densi
 const FRICTION: f64 = 0.3;
 
 /// A simulation without domain walls.
-fn without_walls<const D: usize>(solids: Vec<Solid<D>>) -> Simulation<D> {
+fn without_walls<const D: usize>(solids: Vec<Solid<D>>) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut simulation = simulation_without_liquid(Grid::new([8; D], DX), solids, Vector::zeros(), STEP);
     simulation.model.walls = [[Wall::Open; 2]; D];
     Simulation::resume(simulation.model, simulation.state)
@@ -100,7 +103,10 @@ fn run_monitored<const D: usize>(
     ])
 }
 
-fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError> {
+fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let ball = soft(
         mapped(quadratic_cube_mesh([n; D]), |x| cube_to_ball(x) * BALL_RADIUS),
         MATERIAL,
@@ -135,7 +141,10 @@ fn crush<const D: usize>(n: usize) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-fn slit<const D: usize>(n: [usize; D]) -> Result<Vec<Check>, StepError> {
+fn slit<const D: usize>(n: [usize; D]) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     const LONG: f64 = 1.2;
     const THICK: f64 = 0.2;
     const SLIT: f64 = 0.12;

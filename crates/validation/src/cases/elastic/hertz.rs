@@ -19,7 +19,7 @@ use crate::solids_only::{
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Simulation, StepError, Wall};
+use meniscus_sim::{Compiled, Simulation, StepError, Wall};
 use std::f64::consts::PI;
 
 /// The case.
@@ -58,7 +58,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 /// The ball between its plates, each of which closes in by `way`.
-fn ball_between_plates<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Result<Simulation<D>, StepError> {
+fn ball_between_plates<const D: usize>(n: [usize; D], dx: f64, way: f64) -> Result<Simulation<D>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let material = SoftMaterial { young: YOUNG, poisson: POISSON, density: 2.0, damping: 1.0 };
     let graded = |x: &Vector<D>| {
         let across = x.map(|c| c.abs().powf(GRADING_EXPONENT).copysign(c));
@@ -95,7 +98,10 @@ struct PressureMeasure {
     flattening: f64,
 }
 
-fn squeeze<const D: usize>(n: [usize; D], dx: f64, wide: f64) -> Result<Vec<Check>, StepError> {
+fn squeeze<const D: usize>(n: [usize; D], dx: f64, wide: f64) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let flat = wide * wide * RADIUS * hertz_flattening_ratio::<D>(wide);
     let mut simulation = ball_between_plates(n, dx, flat + 0.1 * dx)?;
     let mut watch = ContactMonitor::new(&simulation.model, STIFFNESS * flat * flat);

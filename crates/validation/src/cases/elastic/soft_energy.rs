@@ -11,6 +11,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_sim::StepError;
+use meniscus_sim::{Compiled, Simulation};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -47,7 +48,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 /// A ball, or a block rotated by an angle, degrees.
-fn check_fall<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> Result<Vec<Check>, StepError> {
+fn check_fall<const D: usize>(n: usize, young: f64, turned: f64, step: f64) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let material = SoftMaterial { young, poisson: 0.3, density: 2.0, damping: 0.0 };
     let half = 0.12;
     let (s, c) = turned.to_radians().sin_cos();

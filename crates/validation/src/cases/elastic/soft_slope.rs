@@ -12,7 +12,7 @@ use meniscus_elastic::Anchor;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Simulation, Solid, SolidKind, StepError};
+use meniscus_sim::{Compiled, Simulation, Solid, SolidKind, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -68,7 +68,10 @@ struct Slope<const D: usize> {
 /// The solids' material.
 const MATERIAL: SoftMaterial = SoftMaterial { young: 1e4, poisson: 0.3, density: 2.0, damping: 0.5 };
 
-fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
+fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let turned = |x: f64, y: f64| {
         let mut v = Vector::<D>::zeros();
         (v[0], v[D - 1]) =
@@ -94,7 +97,10 @@ fn on_rigid<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
     Ok(Slope { simulation, along })
 }
 
-fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError> {
+fn on_soft<const D: usize>(friction: f64) -> Result<Slope<D>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let high = 0.1;
     let half = Vector::<D>::from_fn(|a, _| [0.49, 0.2, 0.2][if a + 1 == D { 2 } else { a }]);
     let half = half.map(|h| h.min(0.49)) - up(0.2 - 0.5 * high);

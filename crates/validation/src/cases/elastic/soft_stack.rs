@@ -10,7 +10,7 @@ use crate::solids_only::{
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Simulation, StepError};
+use meniscus_sim::{Compiled, Simulation, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -45,7 +45,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-fn stack<const D: usize>(n: [usize; D], poisson: f64) -> Result<Simulation<D>, StepError> {
+fn stack<const D: usize>(n: [usize; D], poisson: f64) -> Result<Simulation<D>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let material = SoftMaterial { young: YOUNG, poisson, density: DENSITY, damping: 0.5 };
     let half = Vector::<D>::from_fn(|a, _| HALF_SIZE[usize::from(a + 1 == D)]);
     // Close to their distance at rest.
@@ -103,7 +106,10 @@ fn measure_stack<const D: usize>(
     Ok(found)
 }
 
-fn check_stack<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Result<Vec<Check>, StepError> {
+fn check_stack<const D: usize>(n: [usize; D], poisson: f64, mode: Mode) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut simulation = stack::<D>(n, poisson)?;
     let (rest, time) = if mode == Mode::Quick { (0.5, 0.25) } else { (SETTLING_TIME, 1.0) };
     let weights: Vec<f64> =

@@ -5,7 +5,7 @@ use crate::setup::{TENSION, at_rest, model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{StepError, Wall};
+use meniscus_sim::{Compiled, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -30,7 +30,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-fn tank<const D: usize>(cells: usize, tension: f64) -> Result<Vec<Check>, StepError> {
+fn tank<const D: usize>(cells: usize, tension: f64) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = 1.0 / cells as f64;
     let height = 0.5 + 0.367_879_441 * dx;
     let mut model = model(Grid::<D>::new([cells; D], dx), [[Wall::Slip; 2]; D]);

@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Diagnostics, Repairs, Simulation, StepError, Wall};
+use meniscus_sim::{Compiled, Diagnostics, Repairs, Simulation, StepError, Wall};
 use std::f64::consts::{PI, TAU};
 
 /// The case.
@@ -39,7 +39,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-fn isolated<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
+fn isolated<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let (mut sim, time) = start::<D>(cells);
     let dx = sim.model.grid.dx;
     let before = sim.diagnostics();
@@ -87,7 +90,10 @@ fn momentum_change<const D: usize>(before: &Diagnostics<D>, now: &Diagnostics<D>
 }
 
 /// The three drops, and the duration of the run.
-fn start<const D: usize>(cells: usize) -> (Simulation<D>, f64) {
+fn start<const D: usize>(cells: usize) -> (Simulation<D>, f64)
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = RADIUS / cells as f64;
     let size = [8.5, 9.5, 4.5];
     let count = std::array::from_fn(|a| (size[a] * cells as f64) as usize);

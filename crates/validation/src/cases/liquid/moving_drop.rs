@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Simulation, StepError, Wall};
+use meniscus_sim::{Compiled, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -38,7 +38,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError> {
+fn fly<const D: usize>(cells: usize, round: f64) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = RADIUS / cells as f64;
     let wide = (4.4 * cells as f64) as usize;
     let long = ((FLIGHT_RADII + 3.4) * cells as f64) as usize;

@@ -5,7 +5,7 @@ use crate::setup::{at_rest, in_flight, model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Diagnostics, Simulation, StepError, Wall};
+use meniscus_sim::{Compiled, Diagnostics, Simulation, StepError, Wall};
 use std::f64::consts::PI;
 
 /// The case.
@@ -61,7 +61,10 @@ fn run_outflow<const D: usize>(
     Ok((sim.state.outflow_volume / start.volume, growth))
 }
 
-fn column<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
+fn column<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let (height, end) = (0.6, 0.6);
     let mut walls = [[Wall::Slip; 2]; D];
     walls[D - 1][0] = Wall::Open;
@@ -80,7 +83,10 @@ fn column<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
     ])
 }
 
-fn ball<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
+fn ball<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut model =
         model(Grid::<D>::new([cells; D], 1.0 / cells as f64), [[Wall::Open; 2]; D]).with_open_sides();
     model.surface_tension = model.density * 2.0 * RADIUS / 400.0;

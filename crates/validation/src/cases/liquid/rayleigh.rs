@@ -4,6 +4,7 @@ use crate::measure::{at_least, at_most, bars, checks_or_failure, convergence_ord
 use crate::setup::{DropHistory, DropRun, RADIUS, rayleigh_frequency, run_drop};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
+use meniscus_sim::{Compiled, Simulation};
 use std::f64::consts::TAU;
 
 /// Relative amplitude of the perturbation, and the smaller one for convergence, as the theory is linear.
@@ -76,7 +77,10 @@ fn measure_oscillation<const D: usize>(
     step: f64,
     periods: f64,
     nu: f64,
-) -> Result<OscillationResult, StepError> {
+) -> Result<OscillationResult, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let omega = rayleigh_frequency::<D>(n);
     let time = periods * TAU / omega;
     let run = DropRun { cells, mode: n, amplitude, viscosity: nu, step, time };
@@ -87,7 +91,10 @@ fn measure_oscillation<const D: usize>(
     Ok(OscillationResult { frequency, decay, loss: 1.0 - (-decay * TAU / omega).exp(), growth, history })
 }
 
-fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError> {
+fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let quick = mode == Mode::Quick;
     let (step, periods) = if D == 2 { (0.5, 3.0) } else { (2.0, 1.5) };
     let [of_frequency, of_loss] = if quick { [0.04, 0.15] } else { [0.015, 0.05] };
@@ -118,7 +125,10 @@ fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError
 }
 
 /// Order of convergence of the frequency of n = 2, with steps proportional to the cells.
-fn order<const D: usize>(name: &str, quick: bool) -> Result<Check, StepError> {
+fn order<const D: usize>(name: &str, quick: bool) -> Result<Check, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let grids: [usize; 3] = match (D, quick) {
         (2, false) => [8, 16, 32],
         (2, true) => [6, 8, 12],
@@ -146,7 +156,10 @@ fn steps(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-fn steps_in<const D: usize>(name: &str, cells: usize, wider: f64) -> Result<Vec<Check>, StepError> {
+fn steps_in<const D: usize>(name: &str, cells: usize, wider: f64) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let omega = rayleigh_frequency::<D>(2);
     let mut checks = Vec::new();
     for (step, must, aim) in [(0.5, 0.02, 0.01), (5.0, 0.03, 0.01), (20.0, 0.05, 0.02), (40.0, 0.0, 0.0)] {

@@ -4,6 +4,7 @@ use crate::measure::{at_most, bars, checks_or_failure};
 use crate::setup::{DropRun, RADIUS, TENSION, run_drop};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
+use meniscus_sim::{Compiled, Simulation};
 
 const THEORY: &str = "A round drop (R = 0.5, γ = 100, ρ = 1, Laplace number γρD/μ² = 12000, off the grid's points) \
     stays at rest under Laplace's pressure γ/R (2D) or 2γ/R (3D). Curvature noise that the pressure cannot balance \
@@ -29,7 +30,10 @@ pub const CASE_3D: Case = Case {
     run: |mode| checks_or_failure("static-3d", run::<3>("static-3d", mode)),
 };
 
-fn run<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError> {
+fn run<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let quick = mode == Mode::Quick;
     let (cells, times) = if quick { (8, 5.0) } else { (16, if D == 2 { 40.0 } else { 4.0 }) };
     let diameter = 2.0 * RADIUS;

@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Solid, SolidKind, StepError, Wall};
+use meniscus_sim::{Compiled, Model, Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Light floating solids.
@@ -67,7 +67,10 @@ fn added_mass(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check, StepError> {
+fn added_mass_in_shell<const D: usize>(ratio: f64, density: f64) -> Result<Check, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     const STEPS: u32 = 10;
     let (cells, way) = (12.0, 0.02);
     let dx = 1.0 / cells;

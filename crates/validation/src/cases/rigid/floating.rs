@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Simulation, Solid, SolidKind, StepError, Wall};
+use meniscus_sim::{Compiled, Model, Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Floating and sinking solids.
@@ -155,7 +155,10 @@ pub(crate) struct Tank {
 
 impl Tank {
     /// Starts; `surface` is the height of the liquid's surface over the level as a function of the distance from the axis.
-    pub(crate) fn start<const D: usize>(self, surface: &(dyn Fn(f64) -> f64 + Sync)) -> Simulation<D> {
+    pub(crate) fn start<const D: usize>(self, surface: &(dyn Fn(f64) -> f64 + Sync)) -> Simulation<D>
+    where
+        Simulation<D>: Compiled<D>,
+    {
         let Self { bond, angle, density, cells, width, center } = self;
         let dx = 1.0 / cells as f64;
         let side = 2 * (width * cells as f64).ceil() as usize;

@@ -6,7 +6,9 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, PrescribedMotion, Repairs, Simulation, Solid, SolidKind, StepError, Wall};
+use meniscus_sim::{
+    Compiled, Model, PrescribedMotion, Repairs, Simulation, Solid, SolidKind, StepError, Wall,
+};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -85,7 +87,10 @@ fn cup_path<const D: usize>() -> PrescribedMotion<D> {
 }
 
 /// The cup and its liquid at a contact angle (degrees), displaced by `place` cells along each axis.
-fn start<const D: usize>(wall: CupWall, angle: f64, place: f64) -> Simulation<D> {
+fn start<const D: usize>(wall: CupWall, angle: f64, place: f64) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     // Cells per half-width of the cavity.
     let cells = if D == 2 { 12.0 } else { 8.0 };
     let dx = 1.0 / cells;
@@ -115,7 +120,10 @@ fn start<const D: usize>(wall: CupWall, angle: f64, place: f64) -> Simulation<D>
 type Volumes = [(&'static str, [f64; 2], f64); 6];
 
 /// Shakes a cup.
-fn shaken_cup<const D: usize>(wall: CupWall, angle: f64, place: f64) -> Result<Volumes, StepError> {
+fn shaken_cup<const D: usize>(wall: CupWall, angle: f64, place: f64) -> Result<Volumes, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut sim = start::<D>(wall, angle, place);
     let full = sim.diagnostics().volume;
     let (mut outside, mut change): (f64, f64) = (0.0, 0.0);
@@ -141,7 +149,10 @@ fn check_shaken_cups<const D: usize>(
     wall: CupWall,
     angle: f64,
     places: &[f64],
-) -> Result<Vec<Check>, StepError> {
+) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let all: Vec<Volumes> =
         places.iter().map(|place| shaken_cup::<D>(wall, angle, *place)).collect::<Result<_, _>>()?;
     let padded = if wall.padded { ", padded" } else { "" };

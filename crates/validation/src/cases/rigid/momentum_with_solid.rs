@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector, rotation_planes};
-use meniscus_sim::{LiquidRegion, Model, Simulation, Solid, SolidKind, StepError, Wall};
+use meniscus_sim::{Compiled, LiquidRegion, Model, Simulation, Solid, SolidKind, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -69,7 +69,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-fn isolated<const D: usize>(pair: &Pair, cells: usize) -> Result<Vec<Check>, StepError> {
+fn isolated<const D: usize>(pair: &Pair, cells: usize) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut sim = start::<D>(pair, cells);
     let dx = sim.model.grid.dx;
     let first = center_of_mass(&sim);
@@ -88,7 +91,10 @@ fn isolated<const D: usize>(pair: &Pair, cells: usize) -> Result<Vec<Check>, Ste
 }
 
 /// A drop beside the middle of a plate that is `density` times as dense.
-pub(crate) fn plate_and_drop<const D: usize>(cells: usize, density: f64) -> Simulation<D> {
+pub(crate) fn plate_and_drop<const D: usize>(cells: usize, density: f64) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut sim = start(&PAIRS[0], cells);
     let body = &mut sim.model.solids[0].mass_properties;
     body.mass *= density / DENSITY;
@@ -96,7 +102,10 @@ pub(crate) fn plate_and_drop<const D: usize>(cells: usize, density: f64) -> Simu
     sim
 }
 
-fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D> {
+fn start<const D: usize>(pair: &Pair, cells: usize) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = 1.0 / cells as f64;
     let size = |a: usize| if a + 1 == D { 6.6 } else { 7.0 };
     let grid = Grid::<D>::new(std::array::from_fn(|a| (size(a) * cells as f64) as usize), dx);

@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Simulation, Solid, SolidKind, StepError, overlaps};
+use meniscus_sim::{Compiled, Simulation, Solid, SolidKind, StepError, overlaps};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -34,7 +34,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-fn checks_in<const D: usize>() -> Result<Vec<Check>, StepError> {
+fn checks_in<const D: usize>() -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut checks = Vec::new();
     for restitution in [0.3, 0.5, 0.8, 1.0] {
         checks.extend(bounce::<D>(restitution)?);
@@ -52,7 +55,10 @@ fn ball<const D: usize>(center: Vector<D>, radius: f64, restitution: f64) -> Sol
     ball
 }
 
-fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
+fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let (radius, height) = (0.1, 0.5);
     let solid = ball::<D>(point_at(0.5, radius + height), radius, restitution);
     let mut simulation = simulation_without_liquid(Grid::new([24; D], DX), vec![solid], gravity(), STEP);
@@ -87,7 +93,10 @@ fn bounce<const D: usize>(restitution: f64) -> Result<Vec<Check>, StepError> {
 }
 
 /// Largest difference of the speeds from those of the cradle.
-fn cradle<const D: usize>(moving: usize) -> Result<Check, StepError> {
+fn cradle<const D: usize>(moving: usize) -> Result<Check, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let radius = 0.05;
     let mut balls: Vec<Solid<D>> = (0..5)
         .map(|k| {
@@ -106,7 +115,10 @@ fn cradle<const D: usize>(moving: usize) -> Result<Check, StepError> {
     Ok(at_most(NAME, text, speed_errors.fold(0.0, f64::max), bars(0.02, 1e-3)))
 }
 
-fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError> {
+fn tower<const D: usize>(count: usize) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let half = across_and_up::<D>(0.2, 0.04);
     let gap = 0.05 * DX;
     let place = |k: usize| point_at::<D>(0.5, gap + half[D - 1] + k as f64 * (2.0 * half[D - 1] + gap));

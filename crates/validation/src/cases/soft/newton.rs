@@ -8,7 +8,7 @@ use meniscus_elastic::ElementOrder;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Kinematics, Model, Numerics, Simulation, Solid, SolidKind, StepError, Wall};
+use meniscus_sim::{Compiled, Kinematics, Model, Numerics, Simulation, Solid, SolidKind, StepError, Wall};
 use std::sync::Arc;
 
 /// The case.
@@ -36,7 +36,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(checks)
 }
 
-fn spinning<const D: usize>() -> Result<Vec<Check>, StepError> {
+fn spinning<const D: usize>() -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let (few, more) = (angular_momentum_drift::<D>(0)?, angular_momentum_drift::<D>(8)?);
     let what = |text: &str| format!("change of the angular momentum, {text}, {D}D");
     Ok(vec![
@@ -46,7 +49,10 @@ fn spinning<const D: usize>() -> Result<Vec<Check>, StepError> {
 }
 
 /// Largest relative change of the angular momentum.
-fn angular_momentum_drift<const D: usize>(iterations: u32) -> Result<f64, StepError> {
+fn angular_momentum_drift<const D: usize>(iterations: u32) -> Result<f64, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut sim = start::<D>(iterations)?;
     let turning = |sim: &Simulation<D>| soft_motion(sim, 0).angular_momentum;
     let before = turning(&sim);
@@ -59,7 +65,10 @@ fn angular_momentum_drift<const D: usize>(iterations: u32) -> Result<f64, StepEr
 }
 
 /// The block, rotating about the last axis (2D: about its centre).
-fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError> {
+fn start<const D: usize>(iterations: u32) -> Result<Simulation<D>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let (center, half) = (Vector::repeat(1.0), Vector::from_fn(|a, _| if a == 0 { 0.5 } else { 0.25 }));
     let mesh = VolumeMesh::of_box(&center, &half, &Matrix::identity(), 0.125, ElementOrder::Quadratic)
         .unwrap_or_default();

@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Kinematics, Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{Compiled, Kinematics, Model, Numerics, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -40,7 +40,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 /// The stretched solid in its liquid.
-fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
+fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = 1.0 / cells as f64;
     let middle = Vector::repeat(1.6) + grid_offset(dx);
     let shape = Shape::Ball { center: middle + Vector::from_fn(|a, _| [0.2, 0.1, -0.1][a]), radius: RADIUS };
@@ -69,7 +72,10 @@ fn start<const D: usize>(cells: usize) -> Result<Simulation<D>, StepError> {
     Ok(Simulation::resume(model, state))
 }
 
-fn release<const D: usize>(cells: usize, time: f64) -> Result<Vec<Check>, StepError> {
+fn release<const D: usize>(cells: usize, time: f64) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut sim = start::<D>(cells)?;
     let books = sim.diagnostics();
     let start = books.elastic_energy;

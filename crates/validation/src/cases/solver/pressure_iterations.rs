@@ -4,7 +4,7 @@ use crate::cases::rigid::floating::Tank;
 use crate::cases::rigid::momentum_with_solid::plate_and_drop;
 use crate::measure::{at_most, bar, checks_or_failure};
 use crate::{Case, Check, Mode};
-use meniscus_sim::{Simulation, StepError};
+use meniscus_sim::{Compiled, Simulation, StepError};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -32,7 +32,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     Ok(all)
 }
 
-fn checks<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError> {
+fn checks<const D: usize>(cells: usize) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let mut all = Vec::new();
     for density in DENSITIES {
         let plate = plate_and_drop::<D>(cells, density);

@@ -7,7 +7,7 @@ use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{Compiled, Model, Numerics, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -39,7 +39,10 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
     checks::<3>(16, &all)
 }
 
-fn checks<const D: usize>(cells: usize, settings: &[(f64, f64)]) -> Result<Vec<Check>, StepError> {
+fn checks<const D: usize>(cells: usize, settings: &[(f64, f64)]) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let check = |(light, bending): &(f64, f64)| {
         let most = max_iterations(start::<D>(cells, *light, *bending)?, STEPS)?;
         let text = format!("iterations of a solve, r = {light}, k_b = {bending}, {D}D, {cells} cells a unit");
@@ -49,7 +52,10 @@ fn checks<const D: usize>(cells: usize, settings: &[(f64, f64)]) -> Result<Vec<C
 }
 
 /// The sheet in its pool; `light` is r, `bending` the dimensionless stiffness.
-fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simulation<D>, StepError> {
+fn start<const D: usize>(cells: usize, light: f64, bending: f64) -> Result<Simulation<D>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = 1.0 / cells as f64;
     let thickness = THICKNESS * dx;
     let density = dx / (light * thickness);

@@ -7,7 +7,7 @@ use crate::setup::{at_rest, run_to, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Model, StepError, Wall};
+use meniscus_sim::{Compiled, Model, Simulation, StepError, Wall};
 use std::f64::consts::SQRT_2;
 
 /// A tank, and drops in corners.
@@ -74,7 +74,10 @@ fn tank(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
 }
 
 /// The shape of a drop in the corner of one side per axis.
-fn corner<const D: usize>(angle: f64, cells: usize) -> Result<Vec<Check>, StepError> {
+fn corner<const D: usize>(angle: f64, cells: usize) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let (dx, wide) = (1.0 / cells as f64, if D == 2 { 3 * cells } else { 2 * cells });
     let mut model = walled(Grid::<D>::new([wide; D], dx), angle);
     model.kinematic_viscosity = 0.3;

@@ -6,7 +6,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Hysteresis, Model, Solid, SolidKind, StepError, Wall};
+use meniscus_sim::{Compiled, Hysteresis, Model, Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::PI;
 
 /// A drop on a slope.
@@ -45,7 +45,10 @@ struct Pull {
 }
 
 /// Checks a drop that must rest and one that must slide.
-fn check_pulls<const D: usize>(cells: usize, rest: Pull, slide: Pull) -> Result<Vec<Check>, StepError> {
+fn check_pulls<const D: usize>(cells: usize, rest: Pull, slide: Pull) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let what = |share: f64| format!("way / R at {share} of the critical pull, {D}D, {cells} cells/R");
     let stays = sliding_distance::<D>(cells, rest.force)?.abs();
     let goes = sliding_distance::<D>(cells, slide.force)?;
@@ -56,7 +59,10 @@ fn check_pulls<const D: usize>(cells: usize, rest: Pull, slide: Pull) -> Result<
 }
 
 /// Displacement of the drop's centre from the sixth to the twelfth capillary time; `pull` is the force over γ (cos θ_r − cos θ_a).
-fn sliding_distance<const D: usize>(cells: usize, pull: f64) -> Result<f64, StepError> {
+fn sliding_distance<const D: usize>(cells: usize, pull: f64) -> Result<f64, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = 1.0 / cells as f64;
     let point = across_and_up::<D>(2.0, 6.3 * dx);
     let normal = up(1.0);

@@ -7,7 +7,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Simulation, Solid, SolidKind, StepError};
+use meniscus_sim::{Compiled, Model, Simulation, Solid, SolidKind, StepError};
 use std::f64::consts::PI;
 
 /// The case.
@@ -86,7 +86,10 @@ fn angle_of(width: f64) -> f64 {
 }
 
 /// The total momentum gained by a free plate and a moving drop beside its middle.
-fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepError> {
+fn momentum<const D: usize>(cells: usize, steps: usize) -> Result<Check, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     const RADIUS: f64 = 0.16;
     let mut center = Vector::repeat(0.51);
     center[D - 1] = 0.4;

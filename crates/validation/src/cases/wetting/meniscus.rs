@@ -8,7 +8,7 @@ use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{Model, Simulation, StepError};
+use meniscus_sim::{Compiled, Model, Simulation, StepError};
 use std::f64::consts::{PI, SQRT_2};
 
 /// Plates and gaps in 2D.
@@ -78,7 +78,10 @@ fn tank<const D: usize>(grid: Grid<D>, shape: Shape<D>, angle: f64) -> Model<D> 
 }
 
 /// The tank filled to a level.
-fn bath<const D: usize>(model: Model<D>, level: f64) -> Simulation<D> {
+fn bath<const D: usize>(model: Model<D>, level: f64) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let distance = |x: &Vector<D>| x[D - 1] - level;
     at_rest(model, &distance)
 }

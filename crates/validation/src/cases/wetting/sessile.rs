@@ -7,7 +7,7 @@ use meniscus_numerics::fit::Sphere;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Model, Simulation, Solid, SolidKind, StepError, Wall};
+use meniscus_sim::{Compiled, Model, Simulation, Solid, SolidKind, StepError, Wall};
 use std::f64::consts::PI;
 
 /// Drops on planes in 2D.
@@ -144,7 +144,10 @@ fn planes<const D: usize>(
     mode: Mode,
     angles: &[f64],
     places: &[WallPlacement],
-) -> Result<Vec<Check>, StepError> {
+) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let cells = if mode == Mode::Quick { 8 } else { 16 };
     let mut checks = Vec::new();
     for &angle in angles {
@@ -213,12 +216,18 @@ impl PlaneDrop {
     }
 
     /// The drop at rest at each of some places.
-    fn at_places<const D: usize>(self, places: &[WallPlacement]) -> Result<Vec<SessileResult>, StepError> {
+    fn at_places<const D: usize>(self, places: &[WallPlacement]) -> Result<Vec<SessileResult>, StepError>
+    where
+        Simulation<D>: Compiled<D>,
+    {
         places.iter().map(|place| Self { place: *place, ..self }.relax::<D>()).collect()
     }
 
     /// Half a disc or ball on the plane, and the plane at which the liquid meets the solid.
-    fn start<const D: usize>(&self, room: f64) -> (Simulation<D>, Plane<D>) {
+    fn start<const D: usize>(&self, room: f64) -> (Simulation<D>, Plane<D>)
+    where
+        Simulation<D>: Compiled<D>,
+    {
         let Self { angle, thick, .. } = *self;
         let dx = 1.0 / self.cells as f64;
         // Room for the overshooting drop around a wall through the middle.
@@ -258,7 +267,10 @@ impl PlaneDrop {
     }
 
     /// Lets half a disc or ball come to rest on the plane.
-    fn relax<const D: usize>(&self) -> Result<SessileResult, StepError> {
+    fn relax<const D: usize>(&self) -> Result<SessileResult, StepError>
+    where
+        Simulation<D>: Compiled<D>,
+    {
         let young = self.angle.to_radians();
         let radius = cap_radius::<D>(young);
         let (base, height) = (radius * young.sin(), radius * (1.0 - young.cos()));
@@ -335,7 +347,10 @@ fn curved() -> Result<Vec<Check>, StepError> {
 }
 
 /// A drop with half the size of a ball of radius 1.25, on that ball; 16 cells per radius of a disc or ball of the drop's size.
-fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, StepError> {
+fn drop_on_ball<const D: usize>(angle: f64, apex: f64) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let (cells, solid) = (16.0, 1.25);
     let dx = 1.0 / cells;
     let size = [3.4, 3.4, 4.0];

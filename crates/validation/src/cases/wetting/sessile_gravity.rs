@@ -8,7 +8,7 @@ use meniscus_numerics::fit::least_squares;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use meniscus_sim::{Simulation, StepError};
+use meniscus_sim::{Compiled, Simulation, StepError};
 use std::f64::consts::PI;
 
 /// Drops under gravity in 2D.
@@ -124,7 +124,10 @@ fn start_drop<const D: usize>(
     volume: f64,
     base: f64,
     widest: f64,
-) -> WallDrop<D> {
+) -> WallDrop<D>
+where
+    Simulation<D>: Compiled<D>,
+{
     let dx = 1.0 / cells as f64;
     let round = |x: f64| (x * cells as f64).ceil() as usize;
     let mut height = if D == 2 { 2.0 * volume / (PI * base) } else { 1.5 * volume / (PI * base * base) };
@@ -152,7 +155,10 @@ fn start_drop<const D: usize>(
     WallDrop { sim: start(height), point }
 }
 
-fn drop<const D: usize>(case: &str, cells: usize, row: Row, time: f64) -> Result<Vec<Check>, StepError> {
+fn drop<const D: usize>(case: &str, cells: usize, row: Row, time: f64) -> Result<Vec<Check>, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
     let Row { angle, bond, height, base } = row;
     let volume = if D == 2 { PI } else { 4.0 / 3.0 * PI };
     let WallDrop { mut sim, point } = start_drop::<D>(cells, angle, bond, volume, 0.85 * base, base);

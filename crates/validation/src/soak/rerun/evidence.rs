@@ -5,7 +5,7 @@ use meniscus_scene::file::Scene;
 use meniscus_scene::output::time_series::TimeSeriesWriter;
 use meniscus_scene::output::{FileError, Folder, SolidMeasures, atomic_file};
 use meniscus_scene::run::{Job, RunStatistics, checkpoint};
-use meniscus_sim::{Model, Simulation, State};
+use meniscus_sim::{Compiled, Model, Simulation, State};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -20,7 +20,10 @@ pub fn write<const D: usize>(
     model: &Model<D>,
     state: &State<D>,
     tally: &RunStatistics,
-) -> Result<(), FileError> {
+) -> Result<(), FileError>
+where
+    Simulation<D>: Compiled<D>,
+{
     write_scene(out, &scene.name, text)?;
     let folder = Folder::at(&out.join(&scene.name));
     let _ = std::fs::remove_dir_all(folder.root());

@@ -9,7 +9,7 @@ use crate::soak::scheduled::ScheduledSimulation;
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::file::Scene;
 use meniscus_scene::run::Setup;
-use meniscus_sim::{Simulation, State};
+use meniscus_sim::{Compiled, Simulation, State};
 
 /// Shift of the shifted run, in cells; not a simple fraction.
 const SHIFT_CELLS: f64 = 0.37;
@@ -31,7 +31,10 @@ pub fn repeat<const D: usize>(
     [middle, end]: [&Waypoint<D>; 2],
     scale: f64,
     begins: &(dyn Fn() + Sync),
-) -> Option<Vec<Violation>> {
+) -> Option<Vec<Violation>>
+where
+    Simulation<D>: Compiled<D>,
+{
     let walk = ScheduledSimulation::start;
     match how {
         "threads" => {
@@ -56,8 +59,8 @@ pub fn repeat<const D: usize>(
             let (other, its_setup) = round_tripped(&image.scene(scene)?)?;
             let compared = Pair { how, image, setup, end, scale, begins };
             match &its_setup {
-                AnySetup::D2(its) if D == 2 => compared.compare_with(its, &other),
-                AnySetup::D3(its) if D == 3 => compared.compare_with(its, &other),
+                AnySetup::D2(its) if D == 2 => compared.compare_with::<2>(its, &other),
+                AnySetup::D3(its) if D == 3 => compared.compare_with::<3>(its, &other),
                 _ => None,
             }
         }
@@ -116,7 +119,11 @@ struct Pair<'a, const D: usize> {
 
 impl<const D: usize> Pair<'_, D> {
     /// Compares energy and centre of mass at the time of the waypoint.
-    fn compare_with<const E: usize>(&self, its: &Setup<E>, scene: &Scene) -> Option<Vec<Violation>> {
+    fn compare_with<const E: usize>(&self, its: &Setup<E>, scene: &Scene) -> Option<Vec<Violation>>
+    where
+        Simulation<D>: Compiled<D>,
+        Simulation<E>: Compiled<E>,
+    {
         let time = self.end.state.time;
         let mut simulation = its.simulation();
         let start = simulation.diagnostics().volume;
