@@ -4,6 +4,7 @@
 
 pub mod fit;
 pub mod grid;
+pub mod lanes;
 pub mod level_set;
 pub mod linalg;
 pub mod mesh;

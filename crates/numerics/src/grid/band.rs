@@ -1,6 +1,6 @@
 //! The narrow band: the cells around the interface, in layers.
 
-use super::{Grid, Runs};
+use super::{Grid, Runs, Segment};
 use rayon::prelude::*;
 
 /// The cells around the zero set of a level set as a compact list, layer by layer outward on both sides.
@@ -32,6 +32,31 @@ impl<const D: usize> Band<D> {
     /// Index range in `cells` of the layers `0..n`.
     pub fn first_layers(&self, n: usize) -> std::ops::Range<usize> {
         0..self.layers[n.min(self.layers.len() - 1)]
+    }
+
+    /// The cells as sorted segments of rows.
+    pub fn segments(&self) -> Vec<Segment> {
+        let row_length = self.grid.cells[0];
+        let mut reach = vec![(u32::MAX, 0); self.grid.lattice().rows()];
+        for &cell in &self.cells {
+            let (row, x) = (cell as usize / row_length, cell % row_length as u32);
+            reach[row] = (x.min(reach[row].0), (x + 1).max(reach[row].1));
+        }
+        let segments_of = |(row, &(low, high)): (usize, &(u32, u32))| {
+            let (mut segments, mut start) = (Vec::new(), low as usize);
+            for x in low as usize..=high as usize {
+                if x == high as usize || self.slots[row * row_length + x] == 0 {
+                    if x > start {
+                        segments.push(Segment { row, start, end: x });
+                    }
+                    start = x + 1;
+                }
+            }
+            segments
+        };
+        let rows: Vec<Vec<Segment>> =
+            reach.par_iter().enumerate().filter(|(_, r)| r.0 < r.1).map(segments_of).collect();
+        rows.concat()
     }
 
     /// Builds the band of `layers` layers around the zero set of `phi`, whose negative cells are `inside`. Only the signs

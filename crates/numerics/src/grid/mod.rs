@@ -21,6 +21,7 @@ pub use tiles::{TILE_CELLS, Tiles};
 pub use velocity_extension::VelocityExtension;
 
 use crate::Vector;
+use crate::lanes::{Lanes, VectorLanes};
 
 /// A box of cubic cells that contains the domain; the domain's lower corner is the origin.
 ///
@@ -184,5 +185,26 @@ impl<const D: usize> Grid<D> {
     pub fn face_center(&self, axis: usize, at: [usize; D]) -> Vector<D> {
         let shift = |a: usize| if a == axis { 0.0 } else { 0.5 };
         Vector::from_fn(|a, _| self.domain_coordinate_cells(a, at[a] as f64 + shift(a)) * self.dx)
+    }
+
+    /// Centres of consecutive cells of a row, m, from `at` on.
+    #[inline(always)]
+    pub fn centers(&self, at: [usize; D]) -> VectorLanes<D> {
+        self.points_of_row(at, [0.5; D])
+    }
+
+    /// Centres of consecutive faces normal to `axis` of a row, m, from `at` on.
+    #[inline(always)]
+    pub fn face_centers(&self, axis: usize, at: [usize; D]) -> VectorLanes<D> {
+        self.points_of_row(at, std::array::from_fn(|a| if a == axis { 0.0 } else { 0.5 }))
+    }
+
+    #[inline(always)]
+    fn points_of_row(&self, at: [usize; D], shift: [f64; D]) -> VectorLanes<D> {
+        VectorLanes(std::array::from_fn(|a| {
+            let first = Lanes::splat(at[a] as f64 + shift[a]);
+            let place = if a == 0 { first + Lanes::from_fn(|l| l as f64) } else { first };
+            (place - Lanes::splat(self.margin_cells[a][0] as f64)) * self.dx
+        }))
     }
 }

@@ -4,29 +4,25 @@ use crate::model::Model;
 use meniscus_numerics::grid::{
     Band, CellField, CutCells, FaceField, Grid, Lattice, Runs, Sampler, Segment, VelocitySampler,
 };
+use meniscus_numerics::lanes::{ALL_LANES, LANES, Lanes, VectorLanes};
 use meniscus_numerics::{Vector, par};
-use rayon::prelude::*;
+use std::ops::{Add, Mul, Sub};
+
+/// Vectors, of one point or of the points in all lanes.
+trait Linear: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> {}
+impl<V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>> Linear for V {}
 
 /// Terms of second and third order in `dt` of the displacement, m, along the path that arrives at `x` with the velocity `arrival`, by Ralston's
 /// third-order Runge–Kutta method. The term of first order is `dt · arrival`.
-fn path_bend<const D: usize>(
-    x: &Vector<D>,
-    arrival: &Vector<D>,
-    dt: f64,
-    velocity: impl Fn(&Vector<D>) -> Vector<D>,
-) -> Vector<D> {
+#[inline(always)]
+fn path_bend<V: Linear>(x: V, arrival: V, dt: f64, velocity: impl Fn(&V) -> V) -> V {
     let second = velocity(&(x - arrival * (0.5 * dt)));
     let third = velocity(&(x - second * (0.75 * dt)));
     ((second - arrival) * 3.0 + (third - arrival) * 4.0) * (dt / 9.0)
 }
 
 /// Departure point of the path that arrives at `x` with the velocity `arrival` after `dt`.
-fn departure_point<const D: usize>(
-    x: &Vector<D>,
-    arrival: &Vector<D>,
-    dt: f64,
-    velocity: impl Fn(&Vector<D>) -> Vector<D>,
-) -> Vector<D> {
+fn departure_point<V: Linear>(x: V, arrival: V, dt: f64, velocity: impl Fn(&V) -> V) -> V {
     x - arrival * dt - path_bend(x, arrival, dt, velocity)
 }
 
@@ -42,7 +38,7 @@ const RIDGE_GRADIENT_NORM: f64 = 0.5;
 /// Its corners, `√D` times as far, are not looked at.
 const STENCIL_REACH_CELLS: f64 = 3.0;
 
-/// Advected values of φ in the cells of the band, in the order of `band.cells`.
+/// Advected values of φ in the cells of the band: its segments, and their values one behind the other.
 ///
 /// φ within a solid continues the surface of one side. A cell near a thin solid therefore reads only the values that open faces connect to it, if
 /// these have one sign: else the surface of one side would appear on the other (experiment E36).
@@ -56,42 +52,78 @@ pub fn advect_interface<const D: usize>(
     velocity: &FaceField<D>,
     cut: &CutCells<D>,
     dt: f64,
-) -> Vec<f64> {
-    let beside_solid = 0.0..STENCIL_REACH_CELLS;
-    let grid = &model.grid;
-    let lattice = grid.lattice();
-    let flow = model.velocity_sampler(velocity);
+) -> (Vec<Segment>, Vec<f64>) {
+    let (grid, flow) = (&model.grid, model.velocity_sampler(velocity));
     let distance = Sampler::cells(grid, &phi.data, model.scalar_boundary());
-    let first = band.first_layers(1).end;
-    band.cells
-        .par_iter()
-        .enumerate()
-        .map(|(slot, &cell)| {
-            let (at, value) = (lattice.coordinates(cell as usize), phi.data[cell as usize]);
-            let x = grid.center(at);
-            if slot < first && value >= 0.0 && distance.gradient(at).norm() < RIDGE_GRADIENT_NORM {
-                let liquid = lattice.neighbours(cell as usize).filter(|n| phi.data[*n] < 0.0);
-                let fronts = liquid.map(|n| {
-                    let liquid = lattice.coordinates(n);
-                    let (beside, arrival) = (grid.center(liquid), flow.cubic_at_cell(liquid));
-                    let departure = departure_point(&beside, &arrival, dt, |x| flow.cubic(x));
-                    distance.distance(&(x + departure - beside))
-                });
-                return fronts.fold(f64::INFINITY, f64::min);
+    let (lattice, first_layer) = (grid.lattice(), band.first_layers(1).end);
+    let segments = band.segments();
+    let packed = pack(&segments);
+    let mut values = vec![0.0; packed.last().map_or(0, |s| s.end)];
+    par::for_each_segment(&mut values, 0, &packed, |s, part| {
+        let from = &segments[s.row];
+        let mut at = lattice.coordinates(from.row * lattice.extent[0]);
+        for i in (0..part.len()).step_by(LANES) {
+            at[0] = from.start + i;
+            let cell = lattice.index(at);
+            let departure = departure_points(&flow, grid, at, Lanes::load(&phi.data, cell), dt);
+            distance.distance_lanes(&departure).store(part, i);
+            let departure = departure.to_array();
+            for (l, value) in part[i..].iter_mut().enumerate().take(LANES) {
+                let (cell, mut at) = (cell + l, at);
+                at[0] += l;
+                let is_at_interface = band.slot(cell).is_some_and(|slot| slot < first_layer);
+                if is_at_interface
+                    && phi.data[cell] >= 0.0
+                    && distance.gradient(at).norm() < RIDGE_GRADIENT_NORM
+                {
+                    *value = nearer_front(&flow, &distance, grid, phi, at, dt);
+                } else if (0.0..STENCIL_REACH_CELLS).contains(&cut.distance_cells(cell)) {
+                    *value = distance.distance_on_side(&departure[l], |first| own_side(cut, at, first));
+                }
             }
-            let near = value.abs() < CUBIC_INTERPOLATION_DISTANCE_CELLS * grid.dx;
-            let from = if near {
-                departure_point(&x, &flow.cubic_at_cell(at), dt, |x| flow.cubic(x))
-            } else {
-                departure_point(&x, &flow.at_cell(at), dt, |x| flow.linear(x))
-            };
-            if beside_solid.contains(&cut.distance_cells(cell as usize)) {
-                distance.distance_on_side(&from, |first| own_side(cut, at, first))
-            } else {
-                distance.distance(&from)
-            }
-        })
-        .collect()
+        }
+    });
+    (segments, values)
+}
+
+/// Departure points of the paths that arrive at consecutive cells of a row, from `at` on, where φ has the values `phi`.
+#[inline(always)]
+fn departure_points<const D: usize>(
+    flow: &VelocitySampler<'_, D>,
+    grid: &Grid<D>,
+    at: [usize; D],
+    phi: Lanes,
+    dt: f64,
+) -> VectorLanes<D> {
+    let x = grid.centers(at);
+    let is_near = phi.abs().less_than(Lanes::splat(CUBIC_INTERPOLATION_DISTANCE_CELLS * grid.dx));
+    let near = || departure_point(x, flow.cubic_at_cells(at), dt, |x| flow.cubic_lanes(x));
+    let far = || departure_point(x, flow.at_cells(at), dt, |x| flow.linear_lanes(x));
+    match is_near.bits() {
+        ALL_LANES => near(),
+        0 => far(),
+        _ => VectorLanes::select(is_near, near(), far()),
+    }
+}
+
+/// Advected value of φ in an air cell between two fronts: that of the nearer front, which moves with its liquid cell.
+fn nearer_front<const D: usize>(
+    flow: &VelocitySampler<'_, D>,
+    distance: &Sampler<'_, D>,
+    grid: &Grid<D>,
+    phi: &CellField<D>,
+    at: [usize; D],
+    dt: f64,
+) -> f64 {
+    let (lattice, x) = (grid.lattice(), grid.center(at));
+    let liquid = lattice.neighbours(lattice.index(at)).filter(|n| phi.data[*n] < 0.0);
+    let fronts = liquid.map(|n| {
+        let liquid = lattice.coordinates(n);
+        let (beside, arrival) = (grid.center(liquid), flow.cubic_at_cell(liquid));
+        let departure = departure_point(beside, arrival, dt, |x| flow.cubic(x));
+        distance.distance(&(x + departure - beside))
+    });
+    fronts.fold(f64::INFINITY, f64::min)
 }
 
 /// The points of a stencil (4 along each axis from `first` on, a bit each) outside solids that open faces connect to the cell `at`; none if
@@ -121,25 +153,62 @@ struct Depths<'a, const D: usize> {
 }
 
 impl<const D: usize> Depths<'_, D> {
-    /// The departure point of the liquid that arrives at a face normal to `axis`, moved back into the liquid to the depth that it has after the step.
+    /// The departure points of the liquid that arrives at `count` consecutive faces normal to `axis`, from `face` on, moved back into the
+    /// liquid to the depth that it has after the step.
     ///
     /// Near the interface liquid keeps its depth where the interface moves with the flow. Where the contact angle, hysteresis or the volume
     /// correction hold the interface against an inflow, the path would begin beyond it, in the extrapolated velocity. With the slope `s`
     /// behind the surface and the Courant number `c`, the velocity would grow by `c s` in each step, without a bound (experiment E7).
-    fn corrected(&self, departure: Vector<D>, axis: usize, face: [usize; D]) -> Vector<D> {
-        let grid = &self.cut.open_fraction.grid;
-        let reach = EXTRAPOLATION_REACH_CELLS * grid.dx;
-        let cell = grid.lattice().index(std::array::from_fn(|a| face[a].min(grid.cells[a] - 1)));
-        // Away from solids φ is a distance, which changes by no more than the way, and of which linear interpolation is off by less than a cell.
-        if self.cut.distance_cells(cell) > STENCIL_REACH_CELLS {
-            let deep = -reach - grid.dx;
-            let way = (departure - grid.center(grid.lattice().coordinates(cell))).norm();
-            if self.cells_before.data[cell] + way < deep || self.before.linear(&departure) < deep {
-                return departure;
-            }
+    #[inline(always)]
+    fn corrected(
+        &self,
+        departure: VectorLanes<D>,
+        axis: usize,
+        face: [usize; D],
+        count: usize,
+    ) -> VectorLanes<D> {
+        let is_deep = self.are_deep(&departure, face);
+        if is_deep & ((1 << count) - 1) == (1 << count) - 1 {
+            return departure;
         }
+        let (departure, first) = (departure.to_array(), face[0]);
+        VectorLanes::from_fn(|l| {
+            if l >= count || is_deep >> l & 1 == 1 {
+                return departure[l];
+            }
+            let mut face = face;
+            face[0] = first + l;
+            self.corrected_at_interface(departure[l], axis, face)
+        })
+    }
+
+    /// The bits of the lanes whose departure points are certainly too deep for a correction. Away from solids φ is a distance, which
+    /// changes by no more than the way, and of which linear interpolation is off by less than a cell.
+    #[inline(always)]
+    fn are_deep(&self, departure: &VectorLanes<D>, face: [usize; D]) -> u32 {
+        let grid = &self.cut.open_fraction.grid;
+        let deep = Lanes::splat(-(EXTRAPOLATION_REACH_CELLS + 1.0) * grid.dx);
+        let mut at: [usize; D] = std::array::from_fn(|a| face[a].min(grid.cells[a] - 1));
+        at[0] = 0;
+        let (row, last) = (grid.lattice().index(at), grid.cells[0] - 1);
+        at[0] = face[0];
+        let mut is_deep = 0;
+        if face[0] + LANES <= last {
+            let depth = Lanes::load(&self.cells_before.data, row + face[0]);
+            is_deep = (depth + (*departure - grid.centers(at)).norms()).less_than(deep).bits();
+        }
+        if is_deep != ALL_LANES {
+            is_deep |= self.before.linear_lanes(departure).less_than(deep).bits();
+        }
+        let is_far = |l: &usize| self.cut.distance_cells(row + (face[0] + l).min(last)) > STENCIL_REACH_CELLS;
+        is_deep & (0..LANES).filter(is_far).map(|l| 1 << l).sum::<u32>()
+    }
+
+    /// The departure point of the liquid that arrives at a face, moved back to the depth that it has after the step.
+    fn corrected_at_interface(&self, departure: Vector<D>, axis: usize, face: [usize; D]) -> Vector<D> {
+        let grid = &self.cut.open_fraction.grid;
         let before = self.before.distance(&departure);
-        if before < -reach {
+        if before < -EXTRAPOLATION_REACH_CELLS * grid.dx {
             return departure;
         }
         let excess = before - self.after.distance_at_face(grid, axis, face);
@@ -156,33 +225,38 @@ struct CellPaths<const D: usize> {
     segments: Vec<Segment>,
     /// The segments packed one behind the other.
     packed: Vec<Segment>,
-    bends: Vec<Vector<D>>,
+    /// The components, m, one behind the other.
+    bends: Vec<f64>,
 }
 
 impl<const D: usize> CellPaths<D> {
     fn new(grid: &Grid<D>, flow: &VelocitySampler<'_, D>, liquid: &Runs, dt: f64) -> Self {
         let segments = liquid.with_neighbours(grid);
         let (packed, lattice) = (pack(&segments), grid.lattice());
-        let mut bends = vec![Vector::zeros(); packed.last().map_or(0, |s| s.end)];
-        par::for_each_segment(&mut bends, 0, &packed, |s, part| {
-            let from = &segments[s.row];
+        let length = packed.last().map_or(0, |s| s.end);
+        let mut bends = vec![0.0; D * length];
+        par::map_component_segments(&mut bends, length, &packed, |number, s, mut parts: [&mut [f64]; D]| {
+            let from = &segments[number];
             let mut at = lattice.coordinates(from.row * lattice.extent[0]);
-            for (i, bend) in part.iter_mut().enumerate() {
+            for i in (0..s.end - s.start).step_by(LANES) {
                 at[0] = from.start + i;
-                *bend = path_bend(&grid.center(at), &flow.at_cell(at), dt, |x| flow.linear(x));
+                let bend = path_bend(grid.centers(at), flow.at_cells(at), dt, |x| flow.linear_lanes(x));
+                parts.iter_mut().zip(&bend.0).for_each(|(part, values)| values.store(part, i));
             }
         });
         Self { segments, packed, bends }
     }
 
-    /// The bends of cells of a row from `start` on.
-    fn from(&self, row: usize, start: usize) -> &[Vector<D>] {
+    /// The components of the bends of cells of a row from `start` on.
+    fn from(&self, row: usize, start: usize) -> [&[f64]; D] {
         let next = self.segments.partition_point(|s| (s.row, s.start) <= (row, start));
         match next.checked_sub(1).map(|i| (&self.segments[i], &self.packed[i])) {
             Some((s, packed)) if s.row == row && start < s.end => {
-                &self.bends[packed.start + start - s.start..packed.end]
+                let length = self.bends.len() / D;
+                let cells = packed.start + start - s.start..packed.end;
+                std::array::from_fn(|a| &self.bends[a * length + cells.start..a * length + cells.end])
             }
-            _ => &[],
+            _ => [&[]; D],
         }
     }
 }
@@ -196,10 +270,10 @@ pub struct LiquidFaces<'a, const D: usize> {
     pub faces: &'a [Vec<Segment>; D],
 }
 
-/// The bends of the cells on both sides of the faces of a row.
+/// The bends of the cells on both sides of the faces of a row, component by component.
 struct Beside<'a, const D: usize> {
-    lower: &'a [Vector<D>],
-    upper: &'a [Vector<D>],
+    lower: [&'a [f64]; D],
+    upper: [&'a [f64]; D],
     /// Number of faces at the start of the row without a lower cell.
     without_lower: usize,
 }
@@ -209,20 +283,32 @@ impl<'a, const D: usize> Beside<'a, D> {
     fn new(paths: &'a CellPaths<D>, cells: &Lattice<D>, axis: usize, mut at: [usize; D]) -> Self {
         let of = |at: [usize; D]| paths.from(cells.index(at) / cells.extent[0], at[0]);
         let has_upper = axis == 0 || at[axis] < cells.extent[axis];
-        let upper = if has_upper { of(at) } else { &[] };
+        let upper = if has_upper { of(at) } else { [&[][..]; D] };
         let without_lower = usize::from(axis == 0 && at[0] == 0);
         let has_lower = axis == 0 || at[axis] > 0;
         at[axis] = at[axis].saturating_sub(1);
-        Self { lower: if has_lower { of(at) } else { &[] }, upper, without_lower }
+        Self { lower: if has_lower { of(at) } else { [&[][..]; D] }, upper, without_lower }
     }
 
-    /// The mean bend beside the face `i`.
-    fn mean_bend(&self, i: usize) -> Vector<D> {
-        let lower = i.checked_sub(self.without_lower).and_then(|i| self.lower.get(i));
-        match (lower, self.upper.get(i)) {
-            (Some(lower), Some(upper)) => (lower + upper) * 0.5,
-            (one, other) => one.or(other).copied().unwrap_or(Vector::zeros()),
-        }
+    /// The mean bends beside the faces from `i` on.
+    #[inline(always)]
+    fn mean_bends(&self, i: usize) -> VectorLanes<D> {
+        VectorLanes(std::array::from_fn(|a| {
+            let (lower, upper) = (self.lower[a], self.upper[a]);
+            if let Some(first) = i.checked_sub(self.without_lower)
+                && first + LANES <= lower.len()
+                && i + LANES <= upper.len()
+            {
+                return (Lanes::load(lower, first) + Lanes::load(upper, i)) * 0.5;
+            }
+            Lanes::from_fn(|l| {
+                let lower = (i + l).checked_sub(self.without_lower).and_then(|i| lower.get(i));
+                match (lower, upper.get(i + l)) {
+                    (Some(lower), Some(upper)) => (lower + upper) * 0.5,
+                    (one, other) => one.or(other).copied().unwrap_or(0.0),
+                }
+            })
+        }))
     }
 }
 
@@ -253,14 +339,13 @@ pub fn advect_velocity<const D: usize>(
             let mut at = lattice.coordinates(from.row * lattice.extent[0]);
             at[0] = from.start;
             let beside = Beside::new(&paths, &cells, axis, at);
-            for (i, value) in part.iter_mut().enumerate() {
+            for i in (0..part.len()).step_by(LANES) {
                 at[0] = from.start + i;
-                if model.on_closed_side(axis, at[axis]) {
-                    continue;
-                }
-                let x = grid.face_center(axis, at);
-                let departure = x - flow.at_face(axis, at) * dt - beside.mean_bend(i);
-                *value = flow.component(axis).cubic(&depths.corrected(departure, axis, at));
+                let departure =
+                    grid.face_centers(axis, at) - flow.at_faces(axis, at) * dt - beside.mean_bends(i);
+                let count = LANES.min(part.len() - i);
+                let departure = depths.corrected(departure, axis, at, count);
+                flow.component(axis).cubic_lanes(&departure).store(part, i);
             }
         });
         values
@@ -279,6 +364,16 @@ pub fn pack(segments: &[Segment]) -> Vec<Segment> {
             Segment { row, start, end: at }
         })
         .collect()
+}
+
+/// Writes the values of segments of cells, one behind the other.
+pub fn unpack<const D: usize>(field: &mut CellField<D>, segments: &[Segment], mut values: &[f64]) {
+    let row = field.grid.cells[0];
+    for s in segments {
+        let own;
+        (own, values) = values.split_at(s.end - s.start);
+        field.data[s.row * row + s.start..s.row * row + s.end].copy_from_slice(own);
+    }
 }
 
 #[cfg(test)]
@@ -307,11 +402,11 @@ mod tests {
         }
         for _ in 0..steps {
             work.rebuild_velocity_extension(&model, &mut state);
-            let values =
+            let (cells, values) =
                 advect_interface(&model, &state.phi, &work.band, &state.velocity, &work.cut_cells, 0.1);
             let mut phi = state.phi.clone();
             if !held {
-                work.band.cells.iter().zip(values).for_each(|(c, v)| phi.data[*c as usize] = v);
+                unpack(&mut phi, &cells, &values);
             }
             let segments = work.known_faces.liquid_faces().clone();
             let phis = [&state.phi, &phi];

@@ -6,7 +6,7 @@
 use super::diagnostics::max_velocity_component;
 use super::workspace::Workspace;
 use crate::components::volume::band_labels;
-use crate::flow::advection::{LiquidFaces, advect_interface, advect_velocity, pack};
+use crate::flow::advection::{LiquidFaces, advect_interface, advect_velocity, pack, unpack};
 use crate::free_surface::curvature::InterfaceDisplacement;
 use crate::free_surface::extension::extend_into_solids;
 use crate::model::Model;
@@ -40,9 +40,10 @@ pub fn move_interface<const D: usize>(
     dt: f64,
 ) -> Runs {
     let model = solids_before.model;
-    let values = advect_interface(model, &state.phi, &work.band, &state.velocity, &work.cut_cells, dt);
+    let (cells, values) =
+        advect_interface(model, &state.phi, &work.band, &state.velocity, &work.cut_cells, dt);
     work.keep_phi(&state.phi);
-    work.band.cells.iter().zip(values).for_each(|(&c, v)| state.phi.data[c as usize] = v);
+    unpack(&mut state.phi, &cells, &values);
     let extended = extend_into_solids(state, &work.band, &work.cut_cells, solids_before, &work.surfaces);
     (work.non_distance_cells, work.overwritten_phi) = (extended.non_distance_cells, extended.overwritten_phi);
     let displacement_cells = max_velocity_component(model, state, work) * dt / model.grid.dx;

@@ -1,5 +1,6 @@
 use super::*;
 use crate::grid::FaceField;
+use crate::lanes::{LANES, Lanes, VectorLanes};
 
 fn cubic_is_exact<const D: usize>() {
     let grid = Grid::<D>::new([8; D], 0.25);
@@ -122,4 +123,63 @@ fn places_are_those_of_the_general_forms<const D: usize>() {
 fn values_at_faces_and_centres_are_those_of_the_general_interpolation() {
     places_are_those_of_the_general_forms::<2>();
     places_are_those_of_the_general_forms::<3>();
+}
+
+/// Every lane has the bits of the interpolation at its point alone, wherever the points lie.
+fn lanes_are_single_points<const D: usize>() {
+    let grid = Grid::<D>::new(std::array::from_fn(|a| if a == 0 { 19 } else { 9 }), 0.5);
+    let lattice = grid.lattice();
+    let wave = |x: &Vector<D>| (1.3 * x[0] - 0.9 * x[D - 1]).sin() + 0.2 * x[1];
+    let field: Vec<f64> = (0..lattice.len()).map(|i| wave(&grid.center(lattice.coordinates(i)))).collect();
+    // A ridge of a distance, and smooth values elsewhere.
+    let ridge = |x: &Vector<D>| 0.4 - (x[0] - 4.1).abs() + 0.02 * x[D - 1];
+    let ridge: Vec<f64> = (0..lattice.len()).map(|i| ridge(&grid.center(lattice.coordinates(i)))).collect();
+    let mut velocity = FaceField::zeros(grid);
+    for (a, values) in velocity.axes.iter_mut().enumerate() {
+        values.iter_mut().enumerate().for_each(|(f, u)| *u = (0.37 * f as f64 + a as f64).sin());
+    }
+    let normal = |a: usize| {
+        std::array::from_fn(|b| [[BoundaryExtension::Even, BoundaryExtension::Odd][usize::from(a == b)]; 2])
+    };
+    let flow = VelocitySampler::new(&grid, &velocity, normal);
+    let [field, ridge] =
+        [&field, &ridge].map(|data| Sampler::cells(&grid, data, [[BoundaryExtension::Even; 2]; D]));
+    let same = |lanes: &Lanes, l: usize, one: f64| lanes.to_array()[l].to_bits() == one.to_bits();
+    for start in (0..lattice.len()).map(|i| lattice.coordinates(i)) {
+        let cells = LANES.min(grid.cells[0] - start[0]);
+        let waves = VectorLanes::from_fn(|l| {
+            Vector::from_fn(|a, _| ((start[a] + 3 * a) as f64 + 0.21 * l as f64).sin())
+        });
+        let x = grid.centers(start) + waves * 0.6;
+        let fields = [field.linear_lanes(&x), field.cubic_lanes(&x)];
+        let distances = [field.distance_lanes(&x), ridge.distance_lanes(&x)];
+        let flows = [flow.linear_lanes(&x), flow.cubic_lanes(&x)];
+        let centers = [flow.at_cells(start), flow.cubic_at_cells(start)];
+        for l in 0..cells {
+            let (mut at, x) = (start, x.to_array()[l]);
+            at[0] += l;
+            assert_eq!(grid.centers(start).to_array()[l], grid.center(at));
+            assert!(
+                same(&fields[0], l, field.linear(&x)) && same(&fields[1], l, field.cubic(&x)),
+                "{D}D {at:?}"
+            );
+            assert!(same(&distances[0], l, field.distance(&x)), "{D}D {at:?}");
+            assert!(same(&distances[1], l, ridge.distance(&x)), "{D}D {at:?}");
+            assert_eq!([flows[0].to_array()[l], flows[1].to_array()[l]], [flow.linear(&x), flow.cubic(&x)]);
+            assert_eq!(
+                [centers[0].to_array()[l], centers[1].to_array()[l]],
+                [flow.at_cell(at), flow.cubic_at_cell(at)]
+            );
+            for axis in 0..D {
+                assert_eq!(flow.at_faces(axis, start).to_array()[l], flow.at_face(axis, at));
+                assert_eq!(grid.face_centers(axis, start).to_array()[l], grid.face_center(axis, at));
+            }
+        }
+    }
+}
+
+#[test]
+fn every_lane_has_the_bits_of_its_point_alone() {
+    lanes_are_single_points::<2>();
+    lanes_are_single_points::<3>();
 }

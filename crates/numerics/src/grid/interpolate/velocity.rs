@@ -7,7 +7,7 @@ use crate::grid::{FaceField, Grid};
 
 /// Interpolates a velocity field component by component.
 pub struct VelocitySampler<'a, const D: usize> {
-    axes: [Sampler<'a, D>; D],
+    pub(super) axes: [Sampler<'a, D>; D],
 }
 
 /// Places of a point along an axis on the lattice of the faces normal to it, and on the lattices of the other components.

@@ -95,10 +95,13 @@ pub(super) fn kink_indicator<const D: usize>(rows: &Stencil) -> f64 {
     ((1.0 - part) / KINK_SLOPE_LOSS).clamp(0.0, 1.0)
 }
 
+/// Factors of Lagrange's polynomials through the points −2 ... 3.
+pub(super) const QUINTIC_SCALE: [f64; 6] =
+    [-1.0 / 120.0, 1.0 / 24.0, -1.0 / 12.0, 1.0 / 12.0, -1.0 / 24.0, 1.0 / 120.0];
+
 /// Weights of the quintic through the points −2 ... 3 at `t`, and their derivatives, along each axis.
 #[inline(always)]
 pub(super) fn quintic_weights<const D: usize>(t: &[f64; D]) -> ([[f64; 6]; D], [[f64; 6]; D]) {
-    const SCALE: [f64; 6] = [-1.0 / 120.0, 1.0 / 24.0, -1.0 / 12.0, 1.0 / 12.0, -1.0 / 24.0, 1.0 / 120.0];
     // A lane for each axis. Products of the distances to the points before and after each one, with derivatives.
     let (mut before, mut after) = ([[[1.0; D], [0.0; D]]; 6], [[[1.0; D], [0.0; D]]; 6]);
     for i in 1..6 {
@@ -115,8 +118,9 @@ pub(super) fn quintic_weights<const D: usize>(t: &[f64; D]) -> ([[f64; 6]; D], [
     let (mut weights, mut slopes) = ([[0.0; D]; 6], [[0.0; D]; 6]);
     for i in 0..6 {
         for a in 0..D {
-            weights[i][a] = SCALE[i] * before[i][0][a] * after[i][0][a];
-            slopes[i][a] = SCALE[i] * (before[i][1][a] * after[i][0][a] + before[i][0][a] * after[i][1][a]);
+            let [[p, dp], [q, dq]] = [before[i], after[i]].map(|both| both.map(|v| v[a]));
+            weights[i][a] = QUINTIC_SCALE[i] * p * q;
+            slopes[i][a] = QUINTIC_SCALE[i] * (dp * q + p * dq);
         }
     }
     let of = |all: [[f64; D]; 6]| std::array::from_fn(|a| all.map(|lanes| lanes[a]));
