@@ -14,6 +14,8 @@ pub struct Band<const D: usize> {
     pub cells: Vec<u32>,
     /// Layer `l` is `cells[layers[l]..layers[l + 1]]`.
     pub layers: Vec<usize>,
+    /// The cells as sorted segments of rows.
+    pub segments: Vec<Segment>,
     /// For every cell of the grid: 1 + its index in `cells`, or 0.
     slots: Vec<u32>,
 }
@@ -21,7 +23,13 @@ pub struct Band<const D: usize> {
 impl<const D: usize> Band<D> {
     /// An empty band.
     pub fn new(grid: Grid<D>) -> Self {
-        Self { grid, cells: Vec::new(), layers: vec![0], slots: vec![0; grid.lattice().len()] }
+        Self {
+            grid,
+            cells: Vec::new(),
+            layers: vec![0],
+            segments: Vec::new(),
+            slots: vec![0; grid.lattice().len()],
+        }
     }
 
     /// Index of a cell in `cells`.
@@ -32,31 +40,6 @@ impl<const D: usize> Band<D> {
     /// Index range in `cells` of the layers `0..n`.
     pub fn first_layers(&self, n: usize) -> std::ops::Range<usize> {
         0..self.layers[n.min(self.layers.len() - 1)]
-    }
-
-    /// The cells as sorted segments of rows.
-    pub fn segments(&self) -> Vec<Segment> {
-        let row_length = self.grid.cells[0];
-        let mut reach = vec![(u32::MAX, 0); self.grid.lattice().rows()];
-        for &cell in &self.cells {
-            let (row, x) = (cell as usize / row_length, cell % row_length as u32);
-            reach[row] = (x.min(reach[row].0), (x + 1).max(reach[row].1));
-        }
-        let segments_of = |(row, &(low, high)): (usize, &(u32, u32))| {
-            let (mut segments, mut start) = (Vec::new(), low as usize);
-            for x in low as usize..=high as usize {
-                if x == high as usize || self.slots[row * row_length + x] == 0 {
-                    if x > start {
-                        segments.push(Segment { row, start, end: x });
-                    }
-                    start = x + 1;
-                }
-            }
-            segments
-        };
-        let rows: Vec<Vec<Segment>> =
-            reach.par_iter().enumerate().filter(|(_, r)| r.0 < r.1).map(segments_of).collect();
-        rows.concat()
     }
 
     /// Builds the band of `layers` layers around the zero set of `phi`, whose negative cells are `inside`. Only the signs
@@ -93,6 +76,31 @@ impl<const D: usize> Band<D> {
             }
             self.close_layer();
         }
+        self.segments = self.find_segments();
+    }
+
+    fn find_segments(&self) -> Vec<Segment> {
+        let row_length = self.grid.cells[0];
+        let mut reach = vec![(u32::MAX, 0); self.grid.lattice().rows()];
+        for &cell in &self.cells {
+            let (row, x) = (cell as usize / row_length, cell % row_length as u32);
+            reach[row] = (x.min(reach[row].0), (x + 1).max(reach[row].1));
+        }
+        let segments_of = |(row, &(low, high)): (usize, &(u32, u32))| {
+            let (mut segments, mut start) = (Vec::new(), low as usize);
+            for x in low as usize..=high as usize {
+                if x == high as usize || self.slots[row * row_length + x] == 0 {
+                    if x > start {
+                        segments.push(Segment { row, start, end: x });
+                    }
+                    start = x + 1;
+                }
+            }
+            segments
+        };
+        let rows: Vec<Vec<Segment>> =
+            reach.par_iter().enumerate().filter(|(_, r)| r.0 < r.1).map(segments_of).collect();
+        rows.concat()
     }
 
     fn push(&mut self, cell: usize) {

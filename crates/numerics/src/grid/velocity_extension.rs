@@ -13,7 +13,8 @@
 //! interface moves with it. Limit: where the interface is held against the flow, transport must not read it (`flow/advection.rs` of the
 //! crate `sim`).
 
-use super::{Band, CutCells, FaceField, Grid, Sampler, Segment};
+use super::{Band, CutCells, FaceField, Grid, Lattice, Sampler, Segment};
+use crate::par;
 use rayon::prelude::*;
 
 /// Mark of the faces of the liquid.
@@ -50,9 +51,9 @@ impl<const D: usize> VelocityExtension<D> {
     pub fn clear_with_velocity(&mut self, velocity: &mut FaceField<D>) {
         for a in 0..D {
             let row = self.grid.face_lattice(a).extent[0];
-            for s in &self.liquid_segments[a] {
-                velocity.axes[a][s.row * row + s.start..s.row * row + s.end].fill(0.0);
-            }
+            par::for_each_segment(&mut velocity.axes[a], row, &self.liquid_segments[a], |_, part| {
+                part.fill(0.0)
+            });
             self.extended_faces[a].iter().for_each(|&f| velocity.axes[a][f as usize] = 0.0);
         }
         self.clear_marks();
@@ -62,9 +63,7 @@ impl<const D: usize> VelocityExtension<D> {
     pub fn clear_marks(&mut self) {
         for a in 0..D {
             let row = self.grid.face_lattice(a).extent[0];
-            for s in &self.liquid_segments[a] {
-                self.marks[a][s.row * row + s.start..s.row * row + s.end].fill(0);
-            }
+            par::for_each_segment(&mut self.marks[a], row, &self.liquid_segments[a], |_, part| part.fill(0));
             self.extended_faces[a].iter().for_each(|&f| self.marks[a][f as usize] = 0);
             self.extended_faces[a].clear();
             self.liquid_segments[a].clear();
@@ -75,9 +74,7 @@ impl<const D: usize> VelocityExtension<D> {
     pub fn set_liquid_faces(&mut self, segments: [Vec<Segment>; D]) {
         for a in 0..D {
             let row = self.grid.face_lattice(a).extent[0];
-            for s in &segments[a] {
-                self.marks[a][s.row * row + s.start..s.row * row + s.end].fill(LIQUID_MARK);
-            }
+            par::for_each_segment(&mut self.marks[a], row, &segments[a], |_, part| part.fill(LIQUID_MARK));
         }
         self.liquid_segments = segments;
     }
@@ -97,45 +94,41 @@ impl<const D: usize> VelocityExtension<D> {
         distance: &Sampler<'_, D>,
         closed: impl Fn(usize, usize) -> bool + Sync,
     ) {
-        let cells = self.grid.lattice();
-        for layer in 0..band.layers.len() - 1 {
-            let mark = (layer + FIRST_LAYER_MARK as usize).min(255) as u8;
-            let mut fresh: [Vec<u32>; D] = std::array::from_fn(|_| Vec::new());
-            for &cell in &band.cells[band.layers[layer]..band.layers[layer + 1]] {
-                if phi[cell as usize] < 0.0 {
-                    continue;
-                }
-                let at = cells.coordinates(cell as usize);
-                for a in 0..D {
-                    for side in 0..2 {
-                        let mut face = at;
-                        face[a] += side;
-                        let f = self.grid.face_lattice(a).index(face);
-                        if self.marks[a][f] == 0 {
-                            self.marks[a][f] = mark;
-                            fresh[a].push(f as u32);
+        let (grid, cells) = (self.grid, self.grid.lattice());
+        let lattices: [Lattice<D>; D] = std::array::from_fn(|a| grid.face_lattice(a));
+        let air = |layer: std::ops::Range<usize>| {
+            let air = band.cells[layer].par_iter().filter(|c| phi[**c as usize] >= 0.0);
+            let lower_faces = air.map(|c| {
+                let at = cells.coordinates(*c as usize);
+                std::array::from_fn(|a| lattices[a].index(at) as u32)
+            });
+            lower_faces.collect::<Vec<[u32; D]>>()
+        };
+        let layers: Vec<_> = band.layers.windows(2).map(|layer| air(layer[0]..layer[1])).collect();
+        let axes = self.marks.iter_mut().zip(&mut self.extended_faces).zip(&mut velocity.axes).enumerate();
+        axes.collect::<Vec<_>>().into_par_iter().for_each(|(a, ((marks, extended), values))| {
+            for (layer, lower_faces) in layers.iter().enumerate() {
+                let mark = (layer + FIRST_LAYER_MARK as usize).min(255) as u8;
+                let mut fresh = Vec::new();
+                for lower in lower_faces {
+                    for face in [lower[a], lower[a] + lattices[a].stride[a] as u32] {
+                        if marks[face as usize] == 0 {
+                            marks[face as usize] = mark;
+                            fresh.push(face);
                         }
                     }
                 }
+                let known = KnownFaces { lattice: lattices[a], axis: a, marks, values };
+                let value = |&f: &u32| {
+                    let at = lattices[a].coordinates(f as usize);
+                    let shut = (at[a] == 0 && closed(a, 0)) || (at[a] == grid.cells[a] && closed(a, 1));
+                    if shut { 0.0 } else { known.extrapolated_value(at, mark, distance) }
+                };
+                let found: Vec<f64> = fresh.par_iter().map(value).collect();
+                fresh.iter().zip(found).for_each(|(&f, v)| values[f as usize] = v);
+                extended.append(&mut fresh);
             }
-            for a in 0..D {
-                let values: Vec<f64> = fresh[a]
-                    .par_iter()
-                    .map(|&f| {
-                        let at = self.grid.face_lattice(a).coordinates(f as usize);
-                        let shut =
-                            (at[a] == 0 && closed(a, 0)) || (at[a] == self.grid.cells[a] && closed(a, 1));
-                        if shut {
-                            0.0
-                        } else {
-                            self.extrapolated_value(&velocity.axes[a], a, at, mark, distance)
-                        }
-                    })
-                    .collect();
-                fresh[a].iter().zip(values).for_each(|(&f, v)| velocity.axes[a][f as usize] = v);
-                self.extended_faces[a].append(&mut fresh[a]);
-            }
-        }
+        });
     }
 
     /// Velocities that move the interface on the liquid's faces that solids close in part, m/s: `α u + (1 − α) ū` at the open fraction
@@ -201,20 +194,23 @@ impl<const D: usize> VelocityExtension<D> {
         let marks = &self.marks;
         std::array::from_fn(|a| shut[a].iter().copied().filter(|f| marks[a][*f as usize] != 0).collect())
     }
+}
 
+/// The values on the faces normal to an axis, and the marks of those that are known.
+struct KnownFaces<'a, const D: usize> {
+    lattice: Lattice<D>,
+    axis: usize,
+    marks: &'a [u8],
+    values: &'a [f64],
+}
+
+impl<const D: usize> KnownFaces<'_, D> {
     /// Extrapolated value at the face `at`, from faces marked before `mark`.
-    fn extrapolated_value(
-        &self,
-        values: &[f64],
-        axis: usize,
-        at: [usize; D],
-        mark: u8,
-        distance: &Sampler<'_, D>,
-    ) -> f64 {
-        let lattice = self.grid.face_lattice(axis);
+    fn extrapolated_value(&self, at: [usize; D], mark: u8, distance: &Sampler<'_, D>) -> f64 {
+        let Self { lattice, axis, marks, values } = *self;
         let here = lattice.index(at);
         let known = |f: usize| {
-            let m = self.marks[axis][f];
+            let m = marks[f];
             m != 0 && m < mark
         };
         let normal = face_normal(axis, at, distance);

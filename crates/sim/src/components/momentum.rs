@@ -133,13 +133,18 @@ impl<const D: usize> ComponentFaces<'_, D> {
                 total[*component as usize].add(moments, 1.0);
             }
         }
-        for f in self.interface_faces {
-            let x =
-                self.model.grid.face_center(f.axis, self.model.grid.face_lattice(f.axis).coordinates(f.face));
-            let component = (self.label)(f.cell) as usize;
-            total[component].add_face(f.axis, f.theta * f.open_fraction, &x, velocity.axes[f.axis][f.face]);
+        let places: Vec<_> = self.interface_faces.par_iter().map(|f| self.place(f)).collect();
+        for (f, (component, x)) in zip(self.interface_faces, &places) {
+            let u = velocity.axes[f.axis][f.face];
+            total[*component as usize].add_face(f.axis, f.theta * f.open_fraction, x, u);
         }
         total
+    }
+
+    /// The component and the centre, m, of a face at the interface.
+    fn place(&self, f: &InterfaceFace) -> (u32, Vector<D>) {
+        let grid = &self.model.grid;
+        ((self.label)(f.cell), grid.face_center(f.axis, grid.face_lattice(f.axis).coordinates(f.face)))
     }
 
     fn chunk(&self, a: usize, segments: &[Segment], values: &[f64]) -> Vec<(u32, Moments<D>)> {
@@ -299,11 +304,12 @@ impl<const D: usize> ComponentFaces<'_, D> {
                 },
             );
         }
-        for f in self.interface_faces {
-            let x =
-                self.model.grid.face_center(f.axis, self.model.grid.face_lattice(f.axis).coordinates(f.face));
-            velocity.axes[f.axis][f.face] += motion(f.axis, &x, (self.label)(f.cell));
-        }
+        let change = |f: &InterfaceFace| {
+            let (component, x) = self.place(f);
+            motion(f.axis, &x, component)
+        };
+        let changes: Vec<f64> = self.interface_faces.par_iter().map(change).collect();
+        zip(self.interface_faces, changes).for_each(|(f, by)| velocity.axes[f.axis][f.face] += by);
     }
 }
 

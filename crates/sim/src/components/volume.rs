@@ -5,12 +5,12 @@
 //! step. Where the centre of mass leaves its path in a direction in which only the momentum moves it, a translation of φ brings it back.
 
 use crate::components::group::ComponentGroup;
-use crate::free_surface::dual_cell::{DualCell, MIN_CORNER_DISTANCE_CELLS};
+use crate::free_surface::dual_cell::{CornerComponents, DualCell, MIN_CORNER_DISTANCE_CELLS, distribute};
 use crate::free_surface::energy::DualGrid;
 use crate::model::Model;
 use crate::state::Component;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CellField, Runs, Sampler};
+use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
 
 /// Tolerance of a volume over its target, and of a centre of mass over the size of the domain.
@@ -170,6 +170,8 @@ pub fn band_labels<const D: usize>(
 pub struct VolumeMeasurement<const D: usize> {
     /// Keys of the dual cells; they depend on the signs of φ alone.
     keys: Vec<u32>,
+    /// Components at their corners, which depend on them alone, too.
+    components: Vec<CornerComponents>,
     /// Dual cells that contain the interface.
     pub dual_cells: Vec<DualCell>,
     /// Volume of each component, m³ (2D: m²).
@@ -222,15 +224,22 @@ impl<const D: usize> VolumeCorrection<'_, D> {
 
     /// Measures the volumes within the interface of `phi`.
     pub fn measure(&self, phi: &CellField<D>) -> VolumeMeasurement<D> {
-        self.measure_in(self.dual_grid.interface_keys(&phi.data, self.band), phi)
+        let keys = self.dual_grid.interface_keys(&phi.data, self.band);
+        let (dual_cells, label) = (self.dual_grid.dual_cells(&phi.data, &keys), self.component_of());
+        let components = dual_cells.par_iter().map(|cube| cube.corner_components(&label)).collect();
+        self.volumes_of(keys, components, dual_cells)
     }
 
-    /// Measures the volumes within the interface of `phi`, which lies in the dual cells with these keys.
-    fn measure_in(&self, keys: Vec<u32>, phi: &CellField<D>) -> VolumeMeasurement<D> {
-        let dual_cells = self.dual_grid.dual_cells(&phi.data, &keys);
-        let sums = self.dual_grid.component_volumes(self.cells, self.component_of(), &dual_cells);
+    /// Sums up the volumes within dual cells.
+    fn volumes_of(
+        &self,
+        keys: Vec<u32>,
+        components: Vec<CornerComponents>,
+        dual_cells: Vec<DualCell>,
+    ) -> VolumeMeasurement<D> {
+        let sums = self.dual_grid.component_volumes(self.cells, &components, &dual_cells);
         let (volumes, centers) = sums.into_iter().unzip();
-        VolumeMeasurement { keys, dual_cells, volumes, centers }
+        VolumeMeasurement { keys, components, dual_cells, volumes, centers }
     }
 
     /// Shifts φ within `limit` (m) of each component's interface until volumes and positions match their targets (Newton iteration).
@@ -258,16 +267,20 @@ impl<const D: usize> VolumeCorrection<'_, D> {
             }
             let moves: Vec<Vector<D>> = moves.iter().map(|d| d.cap_magnitude(0.1 * dx)).collect();
             let shifts = self.phi_shifts(&now, targets);
-            for (i, (&cell, &l)) in self.band.cells.iter().zip(self.labels).enumerate() {
-                let value = &mut phi.data[cell as usize];
-                if l != u32::MAX && value.abs() < limit {
+            let row = self.model.grid.cells[0];
+            par::for_each_segment(&mut phi.data, row, &self.band.segments, |s, part| {
+                for (x, value) in part.iter_mut().enumerate().filter(|(_, value)| value.abs() < limit) {
+                    let Some(slot) = self.band.slot(s.row * row + s.start + x) else { continue };
+                    let Some(c) = Some(self.labels[slot] as usize).filter(|c| *c < shifts.len()) else {
+                        continue;
+                    };
                     // Signs are kept: the runs of liquid cells must not change within a step.
-                    let c = l as usize;
-                    let shifted = *value + shifts[c] - slopes.get(i).map_or(0.0, |s| s.dot(&moves[c]));
+                    let shifted = *value + shifts[c] - slopes.get(slot).map_or(0.0, |s| s.dot(&moves[c]));
                     *value = if *value < 0.0 { shifted.min(-min_phi) } else { shifted.max(min_phi) };
                 }
-            }
-            now = self.measure_in(now.keys, phi);
+            });
+            let dual_cells = self.dual_grid.dual_cells(&phi.data, &now.keys);
+            now = self.volumes_of(now.keys, now.components, dual_cells);
         }
         let converged = is_converged(&now, &centroid_corrections(groups, targets, &now.centers));
         (now, converged)
@@ -275,11 +288,10 @@ impl<const D: usize> VolumeCorrection<'_, D> {
 
     /// Change of φ that corrects the volume of each component, m.
     fn phi_shifts(&self, now: &VolumeMeasurement<D>, targets: &[f64]) -> Vec<f64> {
-        let label = self.component_of();
         let mut slopes = vec![0.0; targets.len()];
-        for cube in &now.dual_cells {
+        for (cube, components) in now.dual_cells.iter().zip(&now.components) {
             let slope = cube.volume_slope.iter().sum::<f64>();
-            cube.distribute(&label, |c, part| slopes[c as usize] += part * slope);
+            distribute(components, |c, part| slopes[c as usize] += part * slope);
         }
         let grid = &self.model.grid;
         let shift = |c: usize| (now.volumes[c] - targets[c]) / grid.cell_volume() / f64::max(slopes[c], 1.0);

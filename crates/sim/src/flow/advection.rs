@@ -38,7 +38,7 @@ const RIDGE_GRADIENT_NORM: f64 = 0.5;
 /// Its corners, `√D` times as far, are not looked at.
 const STENCIL_REACH_CELLS: f64 = 3.0;
 
-/// Advected values of φ in the cells of the band: its segments, and their values one behind the other.
+/// Advected values of φ in the segments of the band, one behind the other.
 ///
 /// φ within a solid continues the surface of one side. A cell near a thin solid therefore reads only the values that open faces connect to it, if
 /// these have one sign: else the surface of one side would appear on the other (experiment E36).
@@ -52,15 +52,14 @@ pub fn advect_interface<const D: usize>(
     velocity: &FaceField<D>,
     cut: &CutCells<D>,
     dt: f64,
-) -> (Vec<Segment>, Vec<f64>) {
+) -> Vec<f64> {
     let (grid, flow) = (&model.grid, model.velocity_sampler(velocity));
     let distance = Sampler::cells(grid, &phi.data, model.scalar_boundary());
     let (lattice, first_layer) = (grid.lattice(), band.first_layers(1).end);
-    let segments = band.segments();
-    let packed = pack(&segments);
+    let packed = pack(&band.segments);
     let mut values = vec![0.0; packed.last().map_or(0, |s| s.end)];
     par::for_each_segment(&mut values, 0, &packed, |s, part| {
-        let from = &segments[s.row];
+        let from = &band.segments[s.row];
         let mut at = lattice.coordinates(from.row * lattice.extent[0]);
         for i in (0..part.len()).step_by(LANES) {
             at[0] = from.start + i;
@@ -83,7 +82,7 @@ pub fn advect_interface<const D: usize>(
             }
         }
     });
-    (segments, values)
+    values
 }
 
 /// Departure points of the paths that arrive at consecutive cells of a row, from `at` on, where φ has the values `phi`.
@@ -402,11 +401,11 @@ mod tests {
         }
         for _ in 0..steps {
             work.rebuild_velocity_extension(&model, &mut state);
-            let (cells, values) =
+            let values =
                 advect_interface(&model, &state.phi, &work.band, &state.velocity, &work.cut_cells, 0.1);
             let mut phi = state.phi.clone();
             if !held {
-                unpack(&mut phi, &cells, &values);
+                unpack(&mut phi, &work.band.segments, &values);
             }
             let segments = work.known_faces.liquid_faces().clone();
             let phis = [&state.phi, &phi];

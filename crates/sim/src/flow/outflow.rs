@@ -47,6 +47,9 @@ impl<const D: usize> Model<D> {
 
 /// Removes liquid beyond open sides. Components that do not reach beyond one keep every bit.
 pub fn remove_outflow<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mut Workspace<D>) {
+    if !model.walls.as_flattened().contains(&Wall::Open) {
+        return;
+    }
     let lattice = model.grid.lattice();
     let beyond = |cell: u32| model.open_side_distance(&model.grid.center(lattice.coordinates(cell as usize)));
     let labels = band_labels(model, &work.band, &state.phi, &work.liquid);

@@ -69,10 +69,7 @@ impl<const D: usize> Diffusion<'_, D> {
         let operator = builder.operator(&deep);
         let count = places.list.len();
         let mut x = gather(&operator, model, &places, self);
-        let mut b = x.clone();
-        for (i, cell) in operator.general_cells() {
-            (0..D).for_each(|a| b[a * count + i] *= cell.face_mass[a]);
-        }
+        let b = operator.times_face_mass(&x);
         let jacobi = Jacobi::new(&operator.diagonal());
         let limits = SolveLimits { tolerance, max_iterations: MAX_ITERATIONS };
         let report = conjugate_gradient_in_single_precision(&operator, &jacobi, &b, &mut x, limits)?;
@@ -161,19 +158,22 @@ fn gather<const D: usize>(
         let exists = (0..D).all(|b| b == a || at[b] < model.grid.cells[b]);
         if exists { velocity[a][faces[a].index(at)] } else { 0.0 }
     };
-    for (i, cell) in operator.general_cells().skip(1) {
-        let own = at(i);
-        for a in 0..D {
-            if !cell.is_unknown[a] || cell.face_mass[a] > 0.0 {
-                x[a * count + i] = value(own, a);
-                continue;
+    let (segments, cells) = operator.general_stretches();
+    par::map_component_segments(&mut x, count, &segments, |number, s, mut parts: [&mut [f64]; D]| {
+        for (k, cell) in cells[number].iter().enumerate().filter(|(k, _)| s.start + k > 0) {
+            let own = at(s.start + k);
+            for (a, part) in parts.iter_mut().enumerate() {
+                if !cell.is_unknown[a] || cell.face_mass[a] > 0.0 {
+                    part[k] = value(own, a);
+                    continue;
+                }
+                let near = cell.next.iter().flatten().map(|n| *n as usize);
+                let known = near.filter(|n| operator.cell(*n).face_mass[a] > 0.0);
+                let (sum, known) = known.fold((0.0, 0.0), |(s, c), n| (s + value(at(n), a), c + 1.0));
+                part[k] = sum / f64::max(known, 1.0);
             }
-            let near = cell.next.iter().flatten().map(|n| *n as usize);
-            let known = near.filter(|n| operator.cell(*n).face_mass[a] > 0.0);
-            let (sum, known) = known.fold((0.0, 0.0), |(s, c), n| (s + value(at(n), a), c + 1.0));
-            x[a * count + i] = sum / f64::max(known, 1.0);
         }
-    }
+    });
     x
 }
 

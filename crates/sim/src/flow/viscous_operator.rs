@@ -152,16 +152,29 @@ impl<const D: usize> ViscousOperator<D> {
         diagonal
     }
 
-    /// The cells that are not in the middle of liquid: their places in the list, and their coefficients.
-    pub fn general_cells(&self) -> impl Iterator<Item = (usize, &Cell<D>)> {
-        self.stretches
-            .iter()
-            .zip(&self.segments)
-            .filter_map(|(stretch, s)| match stretch {
-                Stretch::General(first) => Some((s.start..s.end).zip(&self.cells[*first..])),
-                Stretch::Deep(_) => None,
-            })
-            .flatten()
+    /// The stretches of cells that are not in the middle of liquid: parts of the list, and their coefficients.
+    pub fn general_stretches(&self) -> (Vec<Segment>, Vec<&[Cell<D>]>) {
+        let all = self.stretches.iter().zip(&self.segments);
+        all.filter_map(|(stretch, s)| match stretch {
+            Stretch::General(first) => Some((*s, &self.cells[*first..][..s.end - s.start])),
+            Stretch::Deep(_) => None,
+        })
+        .unzip()
+    }
+
+    /// The product of the face masses and a vector.
+    pub fn times_face_mass(&self, x: &[f64]) -> Vec<f64> {
+        let (mut product, x) = (vec![0.0; x.len()], self.components(x));
+        par::map_component_segments(&mut product, self.count, &self.segments, |number, s, parts: [_; D]| {
+            for (a, part) in parts.into_iter().enumerate() {
+                let part: &mut [f64] = part;
+                part.copy_from_slice(&x[a][s.start..s.end]);
+                if let Stretch::General(first) = &self.stretches[number] {
+                    part.iter_mut().zip(&self.cells[*first..]).for_each(|(p, cell)| *p *= cell.face_mass[a]);
+                }
+            }
+        });
+        product
     }
 
     /// The entries of the diagonal of a cell; `beside` takes the places of its neighbours in the list.
@@ -183,7 +196,7 @@ impl<const D: usize> ViscousOperator<D> {
     /// Number of cells in deep stretches.
     #[cfg(test)]
     pub fn deep_cells(&self) -> usize {
-        self.count - self.general_cells().count()
+        self.count - self.general_stretches().0.iter().map(|s| s.end - s.start).sum::<usize>()
     }
 
     /// The components of a vector.

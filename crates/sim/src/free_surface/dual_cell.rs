@@ -227,16 +227,28 @@ impl DualCell {
     }
 
     /// Calls `f(component, part)` for every liquid corner; the parts add up to one.
-    pub fn distribute(&self, label: impl Fn(usize) -> Option<u32>, mut f: impl FnMut(u32, f64)) {
+    pub fn distribute(&self, label: impl Fn(usize) -> Option<u32>, f: impl FnMut(u32, f64)) {
+        distribute(&self.corner_components(label), f);
+    }
+
+    /// The components of the liquid corners, by the `label` of their cells.
+    pub fn corner_components(&self, label: impl Fn(usize) -> Option<u32>) -> CornerComponents {
         // Without an open liquid corner the components at all corners count.
         let corners = if self.liquid_corners == 0 { u8::MAX } else { self.liquid_corners };
-        let labels: [Option<u32>; 8] = std::array::from_fn(|k| {
+        std::array::from_fn(|k| {
             let there = corners >> k & 1 == 1 && self.corners[k] != u32::MAX;
             if there { label(self.corners[k] as usize) } else { None }
-        });
-        let part = 1.0 / labels.iter().flatten().count() as f64;
-        labels.iter().flatten().for_each(|c| f(*c, part));
+        })
     }
+}
+
+/// Components at the corners of a dual cell that are liquid.
+pub type CornerComponents = [Option<u32>; 8];
+
+/// Calls `f(component, part)` for every corner with a component; the parts add up to one.
+pub fn distribute(components: &CornerComponents, mut f: impl FnMut(u32, f64)) {
+    let part = 1.0 / components.iter().flatten().count() as f64;
+    components.iter().flatten().for_each(|c| f(*c, part));
 }
 
 /// Position of a corner of the unit cube.

@@ -12,7 +12,7 @@
 //! was 4 % too low. Limit: liquid in free fall with its solid has no hydrostatic pressure; the angle of a
 //! drop with Bo = 1 on a falling plate is wrong by half a degree (28 cells a radius).
 
-use super::dual_cell::{DualCell, SimplexSplit, away_from_zero};
+use super::dual_cell::{CornerComponents, DualCell, SimplexSplit, away_from_zero, distribute};
 use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, par_lattice_points};
 use meniscus_numerics::{Vector, rotation_planes};
 use rayon::prelude::*;
@@ -248,13 +248,13 @@ impl<const D: usize> DualGrid<D> {
     pub fn component_volumes(
         &self,
         liquid: &Runs,
-        label: impl Fn(usize) -> Option<u32>,
+        components: &[CornerComponents],
         dual_cells: &[DualCell],
     ) -> Vec<(f64, Vector<D>)> {
         let mut sums = self.cell_counts(liquid);
         let middles: Vec<Vector<D>> = sums.iter().map(|(n, moment)| moment / *n).collect();
-        for cube in dual_cells {
-            cube.distribute(&label, |c, part| {
+        for (cube, components) in dual_cells.iter().zip(components) {
+            distribute(components, |c, part| {
                 let (volume, moment) = &mut sums[c as usize];
                 *volume += part * cube.excess_volume;
                 *moment += Vector::from_fn(|a, _| part * cube.excess_moment[a]);
@@ -328,13 +328,19 @@ mod tests {
     use meniscus_numerics::Vector;
     use meniscus_numerics::grid::Tiles;
 
+    /// The components at the corners of dual cells around a liquid of one component.
+    fn of_one(cubes: &[DualCell]) -> Vec<CornerComponents> {
+        cubes.iter().map(|cube| cube.corner_components(|_| Some(0))).collect()
+    }
+
     fn measure<const D: usize>(phi: &[f64], grid: Grid<D>) -> (f64, f64, Vec<DualCell>) {
         let inside = Tiles::all(grid).negative_runs(phi).label(&grid);
         let mut band = Band::new(grid);
         band.rebuild(phi, &inside, 3);
         let lattice = DualGrid::new(grid, Vector::zeros());
         let cubes = lattice.interface_cells(phi, &band);
-        let volume: f64 = lattice.component_volumes(&inside, |_| Some(0), &cubes).iter().map(|v| v.0).sum();
+        let volume: f64 =
+            lattice.component_volumes(&inside, &of_one(&cubes), &cubes).iter().map(|v| v.0).sum();
         (cubes.iter().map(|c| c.area).sum(), volume, cubes)
     }
 
@@ -395,7 +401,7 @@ mod tests {
         let mut band = Band::new(grid);
         band.rebuild(phi, &inside, 3);
         let cubes = lattice.interface_cells(phi, &band);
-        let (volume, center) = lattice.component_volumes(&inside, |_| Some(0), &cubes)[0];
+        let (volume, center) = lattice.component_volumes(&inside, &of_one(&cubes), &cubes)[0];
         let energy: f64 = cubes.iter().map(|c| c.area - c.contact_cosine * c.wetted_area).sum();
         (energy + volume * center.dot(&weight()), volume, cubes)
     }
@@ -462,7 +468,8 @@ mod tests {
             let mut band = Band::new(grid);
             band.rebuild(&phi, &inside, 3);
             let measuring = DualGrid::new(grid, Vector::zeros());
-            measuring.component_volumes(&inside, |_| Some(0), &measuring.interface_cells(&phi, &band))[0].1
+            let cubes = measuring.interface_cells(&phi, &band);
+            measuring.component_volumes(&inside, &of_one(&cubes), &cubes)[0].1
         };
         let tank = center(&|x| x[2] - 2.1);
         assert!((tank - Vector::<3>::new(1.5, 1.25, 1.05)).norm() < 1e-12, "{tank}");

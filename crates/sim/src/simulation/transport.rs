@@ -40,10 +40,9 @@ pub fn move_interface<const D: usize>(
     dt: f64,
 ) -> Runs {
     let model = solids_before.model;
-    let (cells, values) =
-        advect_interface(model, &state.phi, &work.band, &state.velocity, &work.cut_cells, dt);
+    let values = advect_interface(model, &state.phi, &work.band, &state.velocity, &work.cut_cells, dt);
     work.keep_phi(&state.phi);
-    unpack(&mut state.phi, &cells, &values);
+    unpack(&mut state.phi, &work.band.segments, &values);
     let extended = extend_into_solids(state, &work.band, &work.cut_cells, solids_before, &work.surfaces);
     (work.non_distance_cells, work.overwritten_phi) = (extended.non_distance_cells, extended.overwritten_phi);
     let displacement_cells = max_velocity_component(model, state, work) * dt / model.grid.dx;

@@ -417,14 +417,14 @@ impl<const D: usize> Snapshot<D> {
     pub fn take(model: &Model<D>, state: &mut State<D>, workspace: &mut Workspace<D>) -> Self {
         workspace.overwritten_phi.clear();
         let band_cells = workspace.band.cells.clone();
-        let phi = band_cells.iter().map(|&c| state.phi.data[c as usize]).collect();
+        let phi = band_cells.par_iter().map(|&c| state.phi.data[c as usize]).collect();
         let velocity = std::array::from_fn(|a| {
             let row = model.grid.face_lattice(a).extent[0];
             let values = |s: &Segment| {
                 let at = s.row * row + s.start;
                 (at, state.velocity.axes[a][at..at + s.end - s.start].to_vec())
             };
-            workspace.known_faces.liquid_faces()[a].iter().map(values).collect()
+            workspace.known_faces.liquid_faces()[a].par_iter().with_min_len(64).map(values).collect()
         });
         let fields = state.take_fields();
         let rest = state.clone();

@@ -12,6 +12,7 @@ pub use velocity::VelocitySampler;
 
 use super::{Grid, Lattice};
 use crate::Vector;
+use crate::lanes::LANES;
 use stencil::{
     Stencil, Window, contract, contract_rows, contract_with_gradient, contract_within_range, dot, transposed,
 };
@@ -109,8 +110,11 @@ impl<'a, const D: usize> Sampler<'a, D> {
     pub fn cubic_with_gradient(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let (base, t) = self.locate(x);
         let rows = self.stencil(base);
-        let weights: [[f64; 4]; D] = std::array::from_fn(|a| cubic_weights(t[a]));
-        let slopes = std::array::from_fn(|a| cubic_weight_derivatives(t[a]));
+        let (mut weights, mut slopes) = ([[0.0; LANES]; 4], [[0.0; LANES]; 4]);
+        for a in 0..D {
+            let (weight, slope) = (cubic_weights(t[a]), cubic_weight_derivatives(t[a]));
+            (0..4).for_each(|i| (weights[i][a], slopes[i][a]) = (weight[i], slope[i]));
+        }
         let window = Window::of_rows::<4, 4>(&rows);
         let (value, slopes) = contract_with_gradient::<4, 4, D>(&window, &weights, &slopes);
         (value, slopes * self.inverse_dx)
@@ -124,11 +128,11 @@ impl<'a, const D: usize> Sampler<'a, D> {
         let window = self.window_or_mirrored::<6, 8, 36>(base, &mut mirrored);
         let middle = window.middle::<D>();
         if self.is_smooth(&middle) {
-            let (weights, slopes) = quintic_weights(&t);
+            let [weights, slopes] = quintic_weights(&t);
             let (value, slopes) = contract_with_gradient::<6, 8, D>(&window, &weights, &slopes);
             (value, slopes * self.inverse_dx)
         } else {
-            self.eno_cubic_in(middle, &t)
+            self.eno_cubic_in(middle.stencil::<D>(), &t)
         }
     }
 
@@ -139,15 +143,15 @@ impl<'a, const D: usize> Sampler<'a, D> {
         let window = self.window_or_mirrored::<6, 8, 36>(base, &mut mirrored);
         let middle = window.middle::<D>();
         if self.is_smooth(&middle) {
-            contract_rows::<6, 8, D>(&window, &quintic_weights(&t).0)
+            contract_rows::<6, 8, D>(&window, &quintic_weights(&t)[0])
         } else {
-            self.eno_cubic_in(middle, &t).0
+            self.eno_cubic_in(middle.stencil::<D>(), &t).0
         }
     }
 
     /// Whether the third differences of a signed distance are small enough for a polynomial.
-    fn is_smooth(&self, stencil: &Stencil) -> bool {
-        max_third_difference::<D>(stencil) * self.inverse_dx < MAX_SMOOTH_THIRD_DIFFERENCE_CELLS
+    fn is_smooth(&self, middle: &Window<'_>) -> bool {
+        max_third_difference::<D>(middle) * self.inverse_dx < MAX_SMOOTH_THIRD_DIFFERENCE_CELLS
     }
 
     /// Value of a signed distance at `x` (m), as seen from one side of thin solids. `side` takes the first point of the stencil, which has 4

@@ -1,6 +1,7 @@
 //! The values around a point, and their sums with products of weights along the axes.
 
 use crate::Vector;
+use crate::lanes::{LANES, Lanes};
 
 /// The values around a point, four along each axis, the first axis varying fastest.
 pub(super) type Stencil = [[f64; 4]; 16];
@@ -29,9 +30,9 @@ impl<'w> Window<'w> {
 
     /// The 4 middle points along each axis of a window of 6.
     #[inline(always)]
-    pub(super) fn middle<const D: usize>(&self) -> Stencil {
+    pub(super) fn middle<const D: usize>(&self) -> Self {
         let first = 1 + self.strides[..D - 1].iter().sum::<usize>();
-        Window { values: &self.values[first..], strides: self.strides }.stencil::<D>()
+        Self { values: &self.values[first..], strides: self.strides }
     }
 
     /// A copy of the first 4 points along each axis.
@@ -54,60 +55,56 @@ pub(super) fn dot<const L: usize>(weights: &[[f64; L]; 4], values: &[[f64; L]; 4
     })
 }
 
+/// Weights of `N` points, or their derivatives: a lane for each axis.
+pub(super) type AxisWeights<const N: usize> = [[f64; LANES]; N];
+
 /// Sum of a stencil with product weights, and its gradient: the weights of each axis in turn are replaced by `slopes`. `N` points along each
-/// axis, in rows of `L` lanes.
+/// axis, in rows of `L` values.
+#[inline(always)]
 pub(super) fn contract_with_gradient<const N: usize, const L: usize, const D: usize>(
     window: &Window<'_>,
-    weights: &[[f64; N]; D],
-    slopes: &[[f64; N]; D],
+    weights: &AxisWeights<N>,
+    slopes: &AxisWeights<N>,
 ) -> (f64, Vector<D>) {
-    let mut value = [0.0; L];
-    let mut across = [[0.0; L]; D];
+    let (mut value, mut across) = (Lanes::ZERO, [Lanes::ZERO; D]);
     // The rows at one position along the last axis are summed first.
     for k in 0..N {
-        let (mut sum, mut turned) = ([0.0; L], [0.0; L]);
+        let (mut sum, mut turned) = (Lanes::ZERO, Lanes::ZERO);
         for j in 0..N.pow(D as u32 - 2) {
-            let row = if D == 3 { window.row::<L>(j, k) } else { window.row::<L>(k, 0) };
-            let (weight, slope) = if D == 3 { (weights[1][j], slopes[1][j]) } else { (1.0, 0.0) };
-            for i in 0..L {
-                sum[i] += weight * row[i];
-                turned[i] += slope * row[i];
-            }
+            let row = window.row::<L>(if D == 3 { j } else { k }, if D == 3 { k } else { 0 });
+            let row = Lanes::load(row, 0);
+            let (weight, slope) = if D == 3 { (weights[j][1], slopes[j][1]) } else { (1.0, 0.0) };
+            sum = sum + row * weight;
+            turned = turned + row * slope;
         }
-        let (weight, slope) = (weights[D - 1][k], slopes[D - 1][k]);
-        for i in 0..L {
-            value[i] += weight * sum[i];
-            across[1][i] += weight * turned[i];
-        }
-        for i in 0..L {
-            across[D - 1][i] += slope * sum[i];
-        }
+        let (weight, slope) = (weights[k][D - 1], slopes[k][D - 1]);
+        value = value + sum * weight;
+        across[1] = across[1] + turned * weight;
+        across[D - 1] = across[D - 1] + sum * slope;
     }
-    let along = |w: &[f64; N], v: &[f64; L]| (0..N).map(|i| w[i] * v[i]).sum::<f64>();
-    let slope = |a: usize| if a == 0 { along(&slopes[0], &value) } else { along(&weights[0], &across[a]) };
-    (along(&weights[0], &value), Vector::from_fn(|a, _| slope(a)))
+    let (value, across) = (value.to_array(), across.map(Lanes::to_array));
+    let along = |w: &AxisWeights<N>, v: &[f64; LANES]| (0..N).map(|i| w[i][0] * v[i]).sum::<f64>();
+    let slope = |a: usize| if a == 0 { along(slopes, &value) } else { along(weights, &across[a]) };
+    (along(weights, &value), Vector::from_fn(|a, _| slope(a)))
 }
 
 /// The value of [`contract_with_gradient`] alone.
+#[inline(always)]
 pub(super) fn contract_rows<const N: usize, const L: usize, const D: usize>(
     window: &Window<'_>,
-    weights: &[[f64; N]; D],
+    weights: &AxisWeights<N>,
 ) -> f64 {
-    let mut value = [0.0; L];
+    let mut value = Lanes::ZERO;
     for k in 0..N {
-        let mut sum = [0.0; L];
+        let mut sum = Lanes::ZERO;
         for j in 0..N.pow(D as u32 - 2) {
-            let row = if D == 3 { window.row::<L>(j, k) } else { window.row::<L>(k, 0) };
-            let weight = if D == 3 { weights[1][j] } else { 1.0 };
-            for i in 0..L {
-                sum[i] += weight * row[i];
-            }
+            let row = window.row::<L>(if D == 3 { j } else { k }, if D == 3 { k } else { 0 });
+            sum = sum + Lanes::load(row, 0) * if D == 3 { weights[j][1] } else { 1.0 };
         }
-        for i in 0..L {
-            value[i] += weights[D - 1][k] * sum[i];
-        }
+        value = value + sum * weights[k][D - 1];
     }
-    (0..N).map(|i| weights[0][i] * value[i]).sum()
+    let value = value.to_array();
+    (0..N).map(|i| weights[i][0] * value[i]).sum()
 }
 
 /// Product of the weights along the axes across a row of four points.

@@ -4,7 +4,8 @@
 //! 2007, "A second order accurate level set method on non-graded adaptive Cartesian grids"; Harten 1989). Limit: of the kinks in a
 //! stencil only one is resolved, that between the middle points.
 
-use super::stencil::Stencil;
+use super::stencil::{AxisWeights, Stencil, Window};
+use crate::lanes::Lanes;
 
 /// Weights of the cubic through the points −1, 0, 1, 2 at `t`.
 pub(super) fn cubic_weights(t: f64) -> [f64; 4] {
@@ -101,50 +102,41 @@ pub(super) const QUINTIC_SCALE: [f64; 6] =
 
 /// Weights of the quintic through the points −2 ... 3 at `t`, and their derivatives, along each axis.
 #[inline(always)]
-pub(super) fn quintic_weights<const D: usize>(t: &[f64; D]) -> ([[f64; 6]; D], [[f64; 6]; D]) {
-    // A lane for each axis. Products of the distances to the points before and after each one, with derivatives.
-    let (mut before, mut after) = ([[[1.0; D], [0.0; D]]; 6], [[[1.0; D], [0.0; D]]; 6]);
+pub(super) fn quintic_weights<const D: usize>(t: &[f64; D]) -> [AxisWeights<6>; 2] {
+    let t = Lanes::load(t, 0);
+    let away: [Lanes; 6] = std::array::from_fn(|i| t + Lanes::splat(2.0) - Lanes::splat(i as f64));
+    // Products of the distances to the points before and after each one, with derivatives.
+    let (mut before, mut after) =
+        ([[Lanes::splat(1.0), Lanes::ZERO]; 6], [[Lanes::splat(1.0), Lanes::ZERO]; 6]);
     for i in 1..6 {
-        for a in 0..D {
-            let away = |i: usize| t[a] + 2.0 - i as f64;
-            let [p, dp] = before[i - 1].map(|v| v[a]);
-            before[i][0][a] = p * away(i - 1);
-            before[i][1][a] = dp * away(i - 1) + p;
-            let [q, dq] = after[6 - i].map(|v| v[a]);
-            after[5 - i][0][a] = q * away(6 - i);
-            after[5 - i][1][a] = dq * away(6 - i) + q;
-        }
+        let [p, dp] = before[i - 1];
+        before[i] = [p * away[i - 1], dp * away[i - 1] + p];
+        let [q, dq] = after[6 - i];
+        after[5 - i] = [q * away[6 - i], dq * away[6 - i] + q];
     }
-    let (mut weights, mut slopes) = ([[0.0; D]; 6], [[0.0; D]; 6]);
-    for i in 0..6 {
-        for a in 0..D {
-            let [[p, dp], [q, dq]] = [before[i], after[i]].map(|both| both.map(|v| v[a]));
-            weights[i][a] = QUINTIC_SCALE[i] * p * q;
-            slopes[i][a] = QUINTIC_SCALE[i] * (dp * q + p * dq);
-        }
-    }
-    let of = |all: [[f64; D]; 6]| std::array::from_fn(|a| all.map(|lanes| lanes[a]));
-    (of(weights), of(slopes))
+    let weight = |i: usize| before[i][0] * QUINTIC_SCALE[i] * after[i][0];
+    let slope = |i: usize| (before[i][1] * after[i][0] + before[i][0] * after[i][1]) * QUINTIC_SCALE[i];
+    [std::array::from_fn(|i| weight(i).to_array()), std::array::from_fn(|i| slope(i).to_array())]
 }
 
-/// The largest third difference of a stencil.
+/// The largest third difference of the first four points of a window along each axis.
 #[inline(always)]
-pub(super) fn max_third_difference<const D: usize>(rows: &Stencil) -> f64 {
-    let mut worst = [0.0f64; 4];
-    let larger = |a: f64, b: f64| if b > a { b } else { a };
-    let count = 1 << (2 * (D - 1));
-    for row in &rows[..count] {
-        worst[0] = larger(worst[0], (3.0 * (row[1] - row[2]) + row[3] - row[0]).abs());
-    }
-    for a in 1..D {
-        let step = 1 << (2 * (a - 1));
-        for first in (0..count).filter(|r| r / step % 4 == 0) {
-            let line: [&[f64; 4]; 4] = std::array::from_fn(|k| &rows[first + k * step]);
-            for i in 0..4 {
-                let third = 3.0 * (line[1][i] - line[2][i]) + line[3][i] - line[0][i];
-                worst[i] = larger(worst[i], third.abs());
-            }
+pub(super) fn max_third_difference<const D: usize>(window: &Window<'_>) -> f64 {
+    let third = |a: Lanes, b: Lanes, c: Lanes, d: Lanes| ((b - c) * 3.0 + d - a).abs();
+    let row = |j: usize, k: usize| window.row::<4>(j, k);
+    let of = |j: usize, k: usize| Lanes::load(row(j, k), 0);
+    let (mut worst, mut along) = (Lanes::ZERO, [0.0f64; 4]);
+    for k in 0..if D == 3 { 4 } else { 1 } {
+        worst = third(of(0, k), of(1, k), of(2, k), of(3, k)).max(worst);
+        for j in 0..4 {
+            let [a, b, c, d] = *row(j, k);
+            let third = (3.0 * (b - c) + d - a).abs();
+            along[j] = if third > along[j] { third } else { along[j] };
         }
     }
-    larger(larger(worst[0], worst[1]), larger(worst[2], worst[3]))
+    for j in 0..if D == 3 { 4 } else { 0 } {
+        worst = third(of(j, 0), of(j, 1), of(j, 2), of(j, 3)).max(worst);
+    }
+    let larger = |a: f64, b: f64| if b > a { b } else { a };
+    worst.to_array()[..4].iter().chain(&along).fold(0.0, |a, b| larger(a, *b))
 }

@@ -68,7 +68,8 @@ pub fn conjugate_gradient_in_single_precision(
     let mut work = [(); 2].map(|()| vec![0.0; b.len()]);
     with_restarts(operator, b, x, limits, &mut work, |x, [residual, image], start| {
         let mut correction = vec![0.0; x.len()];
-        let mut work = [vectors::converted(residual), correction.clone(), correction.clone()];
+        // New zeros, unlike copies of zeros, are written first by the threads that use them.
+        let mut work = [vectors::converted(residual), vec![0.0; x.len()], vec![0.0; x.len()]];
         let one = Start { norm: 1.0, ..start };
         let result = iterate(operator, preconditioner, &mut correction, &mut work, one, limits);
         *image = vectors::converted(&correction);
