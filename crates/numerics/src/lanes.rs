@@ -173,6 +173,14 @@ impl Div<f64> for Lanes {
     }
 }
 
+impl Div for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self(self.0 / other.0)
+    }
+}
+
 /// A vector in each lane, component by component.
 #[derive(Clone, Copy, Debug)]
 pub struct VectorLanes<const D: usize>(pub [Lanes; D]);

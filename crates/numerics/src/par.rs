@@ -46,7 +46,8 @@ pub fn map_component_segments<T: Send, R: Send, const D: usize>(
     segments: &[Segment],
     f: impl Fn(usize, &Segment, [&mut [T]; D]) -> R + Sync,
 ) -> Vec<R> {
-    let mut fields = data.chunks_mut(length).map(|field| segment_parts(field, 0, segments).into_iter());
+    let mut fields =
+        data.chunks_mut(length.max(1)).map(|field| segment_parts(field, 0, segments).into_iter());
     let mut fields: [_; D] = std::array::from_fn(|_| fields.next().into_iter().flatten());
     let mut part = || fields.each_mut().map(|field| field.next().map_or(&mut [][..], |(_, part)| part));
     let parts: Vec<_> = segments.iter().map(|s| (s, part())).collect();

@@ -3,6 +3,9 @@
 use super::{Grid, Runs, Segment};
 use rayon::prelude::*;
 
+/// Number of cells that a task looks around.
+const CELLS_PER_TASK: usize = 1024;
+
 /// The cells around the zero set of a level set as a compact list, layer by layer outward on both sides.
 ///
 /// Layer 0 holds the cells with a face neighbour of the other sign; layer `l + 1` the cells that share a face with
@@ -71,9 +74,13 @@ impl<const D: usize> Band<D> {
         }
         self.close_layer();
         for l in 1..layers {
-            for i in self.layers[l - 1]..self.layers[l] {
-                lattice.neighbours(self.cells[i] as usize).for_each(|n| self.push(n));
-            }
+            let last = &self.cells[self.layers[l - 1]..self.layers[l]];
+            let beyond = |cells: &[u32]| -> Vec<u32> {
+                let beside = cells.iter().flat_map(|c| lattice.neighbours(*c as usize));
+                beside.filter(|n| self.slots[*n] == 0).map(|n| n as u32).collect()
+            };
+            let found: Vec<Vec<u32>> = last.par_chunks(CELLS_PER_TASK).map(beyond).collect();
+            found.iter().flatten().for_each(|n| self.push(*n as usize));
             self.close_layer();
         }
         self.segments = self.find_segments();

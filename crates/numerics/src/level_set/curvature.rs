@@ -1,7 +1,8 @@
 //! Curvature of the zero set of a signed distance.
 
 use crate::grid::Sampler;
-use crate::{Matrix, Vector};
+use crate::lanes::{LANES, Lanes};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// Fourth-order differences: first derivative, second derivative.
 const FIRST_DERIVATIVE_WEIGHTS: [f64; 5] = [1.0 / 12.0, -8.0 / 12.0, 0.0, 8.0 / 12.0, -1.0 / 12.0];
@@ -12,6 +13,31 @@ const MIN_GRADIENT_NORM: f64 = 0.5;
 /// Minimum ratio of the area element on the zero set to that on the level set through the cell's centre.
 const MIN_AREA_RATIO: f64 = 0.3;
 
+/// Numbers, of one cell or of the cells in all lanes.
+trait Number:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<Output = Self>
+{
+    fn root(self) -> Self;
+}
+
+impl Number for f64 {
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+}
+
+impl Number for Lanes {
+    #[inline(always)]
+    fn root(self) -> Self {
+        self.sqrt()
+    }
+}
+
 /// Curvature (1/m) of the zero set at its point closest to the centre of `cell`: the sum of the principal curvatures,
 /// positive for a ball. `None` if a kink or a focus of the distance is too near.
 ///
@@ -20,70 +46,95 @@ const MIN_AREA_RATIO: f64 = 0.3;
 /// has the curvature `(S − 2 d K) / (1 − d S + d² K)`.
 pub fn curvature<const D: usize>(phi: &Sampler<'_, D>, dx: f64, cell: [usize; D]) -> Option<f64> {
     let value = |shift: [isize; D]| phi.value(std::array::from_fn(|a| cell[a] as isize + shift[a])) / dx;
-    let (gradient, hessian) = gradient_and_hessian(&value);
-    let square = gradient.norm_squared();
-    let slope = square.sqrt();
-    if slope < MIN_GRADIENT_NORM {
-        return None;
-    }
-    let sum = (hessian.trace() * square - gradient.dot(&(hessian * gradient))) / (square * slope);
-    let product = if D == 3 { adjugate_product(&hessian, &gradient) / (square * square) } else { 0.0 };
+    accepted(parallel_curvature(value, 1.0), dx)
+}
+
+/// [`curvature`] in each of several cells.
+pub fn curvatures<const D: usize>(
+    phi: &Sampler<'_, D>,
+    dx: f64,
+    cells: [[usize; D]; LANES],
+) -> [Option<f64>; LANES] {
+    let Some(values) = phi.values_around(cells, 2) else { return cells.map(|cell| curvature(phi, dx, cell)) };
+    let [slope, area, kappa] =
+        parallel_curvature(|shift| values(shift) / dx, Lanes::splat(1.0)).map(Lanes::to_array);
+    std::array::from_fn(|l| accepted([slope[l], area[l], kappa[l]], dx))
+}
+
+/// The curvature of the parallel surface, unless a kink or a focus is too near.
+fn accepted([slope, area, kappa]: [f64; 3], dx: f64) -> Option<f64> {
+    (slope >= MIN_GRADIENT_NORM && area > MIN_AREA_RATIO).then(|| kappa / (area * dx))
+}
+
+/// |∇φ|, the ratio of the area elements and its product with the curvature on the zero set, with lengths in cells.
+#[inline(always)]
+fn parallel_curvature<T: Number, const D: usize>(value: impl Fn([isize; D]) -> T, one: T) -> [T; 3] {
+    let (g, h) = gradient_and_hessian(&value);
+    let sum = |of: &dyn Fn(usize) -> T| (1..D).fold(of(0), |sum, i| sum + of(i));
+    let square = sum(&|i| g[i] * g[i]);
+    let slope = square.root();
+    let bent = sum(&|i| g[i] * sum(&|j| h[i][j] * g[j]));
+    let total = (sum(&|i| h[i][i]) * square - bent) / (square * slope);
     let d = value([0; D]) / slope;
-    let area = 1.0 - d * sum + d * d * product;
-    (area > MIN_AREA_RATIO).then(|| (sum - 2.0 * d * product) / (area * dx))
+    if D == 2 {
+        return [slope, one - d * total, total];
+    }
+    let product = adjugate_product(&h, &g) / (square * square);
+    [slope, one - d * total + d * d * product, total - d * 2.0 * product]
 }
 
 /// Gradient and Hessian, with lengths in cells.
-fn gradient_and_hessian<const D: usize>(value: &impl Fn([isize; D]) -> f64) -> (Vector<D>, Matrix<D>) {
-    let mut gradient = Vector::zeros();
-    let mut hessian = Matrix::zeros();
+#[inline(always)]
+fn gradient_and_hessian<T: Number, const D: usize>(
+    value: &impl Fn([isize; D]) -> T,
+) -> ([T; D], [[T; D]; D]) {
+    let at = |steps: [(usize, isize); 2]| {
+        let mut shift = [0; D];
+        steps.iter().for_each(|(a, step)| shift[*a] += step);
+        value(shift)
+    };
+    let mut gradient = [value([0; D]); D];
+    let mut hessian = [gradient; D];
     for a in 0..D {
-        let line: [f64; 5] = std::array::from_fn(|i| {
-            let mut shift = [0; D];
-            shift[a] = i as isize - 2;
-            value(shift)
-        });
+        let line: [T; 5] = std::array::from_fn(|i| at([(a, i as isize - 2), (a, 0)]));
         gradient[a] = dot(&FIRST_DERIVATIVE_WEIGHTS, &line);
-        hessian[(a, a)] = dot(&SECOND_DERIVATIVE_WEIGHTS, &line);
+        hessian[a][a] = dot(&SECOND_DERIVATIVE_WEIGHTS, &line);
         for b in 0..a {
-            let slopes: [f64; 5] = std::array::from_fn(|j| {
-                if FIRST_DERIVATIVE_WEIGHTS[j] == 0.0 {
-                    return 0.0;
-                }
-                let line: [f64; 5] = std::array::from_fn(|i| {
-                    let mut shift = [0; D];
-                    (shift[a], shift[b]) = (i as isize - 2, j as isize - 2);
-                    if FIRST_DERIVATIVE_WEIGHTS[i] == 0.0 { 0.0 } else { value(shift) }
-                });
-                dot(&FIRST_DERIVATIVE_WEIGHTS, &line)
-            });
-            hessian[(a, b)] = dot(&FIRST_DERIVATIVE_WEIGHTS, &slopes);
-            hessian[(b, a)] = hessian[(a, b)];
+            let along = |j: isize| first_derivative(|i| at([(a, i), (b, j)]));
+            hessian[a][b] = first_derivative(along);
+            hessian[b][a] = hessian[a][b];
         }
     }
     (gradient, hessian)
 }
 
-/// `g · adj(H) g` in 3D.
-fn adjugate_product<const D: usize>(h: &Matrix<D>, g: &Vector<D>) -> f64 {
-    let next = |i: usize| ((i + 1) % 3, (i + 2) % 3);
-    let mut sum = 0.0;
-    for i in 0..D {
-        for j in 0..D {
-            let ((b, c), (e, f)) = (next(i), next(j));
-            sum += g[i] * g[j] * (h[(b, e)] * h[(c, f)] - h[(b, f)] * h[(c, e)]);
-        }
-    }
-    sum
+/// First derivative of values at whole places around zero.
+#[inline(always)]
+fn first_derivative<T: Number>(value: impl Fn(isize) -> T) -> T {
+    let [low, below, _, above, high] = FIRST_DERIVATIVE_WEIGHTS;
+    value(-2) * low + value(-1) * below + value(1) * above + value(2) * high
 }
 
-fn dot(a: &[f64; 5], b: &[f64; 5]) -> f64 {
-    (0..5).map(|i| a[i] * b[i]).sum()
+/// `g · adj(H) g` in 3D.
+#[inline(always)]
+fn adjugate_product<T: Number, const D: usize>(h: &[[T; D]; D], g: &[T; D]) -> T {
+    let next = |i: usize| ((i + 1) % 3, (i + 2) % 3);
+    let term = |i: usize, j: usize| {
+        let ((b, c), (e, f)) = (next(i), next(j));
+        g[i] * g[j] * (h[b][e] * h[c][f] - h[b][f] * h[c][e])
+    };
+    (1..D * D).fold(term(0, 0), |sum, k| sum + term(k / D, k % D))
+}
+
+#[inline(always)]
+fn dot<T: Number>(weights: &[f64; 5], values: &[T; 5]) -> T {
+    (1..5).fold(values[0] * weights[0], |sum, i| sum + values[i] * weights[i])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Vector;
     use crate::grid::{BoundaryExtension, CellField, Grid};
 
     /// Largest relative error of the curvature near a ball with a radius of `n / 4` cells.

@@ -3,5 +3,5 @@
 mod curvature;
 mod redistance;
 
-pub use curvature::curvature;
+pub use curvature::{curvature, curvatures};
 pub use redistance::{interface_gradient_norm, redistance};

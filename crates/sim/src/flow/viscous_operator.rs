@@ -98,9 +98,9 @@ impl<const D: usize> ViscousOperator<D> {
     ) -> Self {
         let count = deep.len();
         let mut stored: Vec<bool> = deep.iter().map(|deep| !deep).collect();
-        for i in (0..count).filter(|i| !deep[*i]) {
-            next(i).iter().flatten().for_each(|n| stored[*n as usize] = true);
-        }
+        let general = (0..count).into_par_iter().with_min_len(CELLS_PER_TASK).filter(|i| !deep[*i]);
+        let beside: Vec<Neighbours<D>> = general.map(&next).collect();
+        beside.as_flattened().as_flattened().iter().for_each(|n| stored[*n as usize] = true);
         let (mut list, mut place) = (Vec::new(), vec![0; count]);
         for i in (0..count).filter(|i| stored[*i]) {
             place[i] = list.len() as u32;

@@ -1,6 +1,6 @@
 //! Curvature of the free surface on the cells of the band.
 //!
-//! Differences of the signed distance ([`level_set::curvature`]) give it; near solids and kinks the energy
+//! Differences of the signed distance ([`level_set::curvatures`]) give it; near solids and kinks the energy
 //! gradient `(∂E/∂φ) / (∂V/∂φ)` ([`super::energy`]) replaces them. The energy gradient alone has ripples of the
 //! grid's period: a drop's frequency then varies by ±0.5 % with its position, and its damping by more than all
 //! the viscous damping of Lamb's case.
@@ -16,6 +16,7 @@ use super::dual_cell::DualCell;
 use super::extension::GhostCell;
 use crate::repairs::Repairs;
 use meniscus_numerics::grid::{Band, CutCells, Grid, Sampler};
+use meniscus_numerics::lanes::LANES;
 use meniscus_numerics::{Vector, level_set};
 use rayon::prelude::*;
 
@@ -141,13 +142,18 @@ impl<const D: usize> InterfaceLayers<'_, D> {
     /// The slopes of energy and volume by φ in each cell of the layers.
     fn slopes(&self) -> Vec<[f64; 2]> {
         let count = self.band.first_layers(self.layers).end;
+        let slots = |cube: &DualCell| -> [usize; 8] {
+            std::array::from_fn(|k| match cube.corners[k] {
+                u32::MAX => usize::MAX,
+                cell => self.band.slot(cell as usize).unwrap_or(usize::MAX),
+            })
+        };
+        let slots: Vec<[usize; 8]> = self.dual_cells.par_iter().map(slots).collect();
         let mut slopes = vec![[0.0; 2]; count];
-        for cube in self.dual_cells {
-            for k in 0..1 << D {
-                if let Some(s) = self.band.slot(cube.corners[k] as usize).filter(|s| *s < count) {
-                    slopes[s][0] += cube.energy_slope[k];
-                    slopes[s][1] += cube.volume_slope[k];
-                }
+        for (cube, slots) in self.dual_cells.iter().zip(&slots) {
+            for (k, slot) in slots.iter().enumerate().filter(|(_, slot)| **slot < count) {
+                slopes[*slot][0] += cube.energy_slope[k];
+                slopes[*slot][1] += cube.volume_slope[k];
             }
         }
         slopes
@@ -177,21 +183,27 @@ fn raw_curvature<const D: usize>(
 ) -> (Vec<f64>, Vec<bool>) {
     let InterfaceLayers { grid, band, phi, .. } = *interface;
     let near = solids.smoothed_energy_curvature(grid, band, slopes, &hydrostatic);
-    let of_slot = |&slot: &u32| {
-        let s = slot as usize;
-        let cell = band.cells[s] as usize;
-        let off = ((solids.cut_cells.distance_cells(cell) - CURVATURE_BLEND_START_CELLS)
-            / (CURVATURE_BLEND_END_CELLS - CURVATURE_BLEND_START_CELLS))
-            .clamp(0.0, 1.0);
-        let differences = || {
-            let curvature = level_set::curvature(phi, grid.dx, grid.lattice().coordinates(cell));
-            curvature.map_or_else(|| slopes[s][0] / slopes[s][1], |k| k * grid.dx + hydrostatic(s))
-        };
-        let differences = if off > 0.0 { off * differences() } else { 0.0 };
-        let (kappa, cut) = if off < 1.0 { near[s] } else { (0.0, false) };
-        (differences + if off < 1.0 { (1.0 - off) * kappa } else { 0.0 }, cut)
+    let lattice = grid.lattice();
+    let of_slots = |slots: &[u32]| {
+        let cells: [u32; LANES] = std::array::from_fn(|l| band.cells[slots[l.min(slots.len() - 1)] as usize]);
+        let curvatures = level_set::curvatures(phi, grid.dx, cells.map(|c| lattice.coordinates(c as usize)));
+        let mut values = [(0.0, false); LANES];
+        for (l, &slot) in slots.iter().enumerate() {
+            let s = slot as usize;
+            let off = ((solids.cut_cells.distance_cells(cells[l] as usize) - CURVATURE_BLEND_START_CELLS)
+                / (CURVATURE_BLEND_END_CELLS - CURVATURE_BLEND_START_CELLS))
+                .clamp(0.0, 1.0);
+            let (kappa, cut) = if off < 1.0 { near[s] } else { (0.0, false) };
+            let differences = || {
+                curvatures[l].map_or_else(|| slopes[s][0] / slopes[s][1], |k| k * grid.dx + hydrostatic(s))
+            };
+            let differences = if off > 0.0 { off * differences() } else { 0.0 };
+            values[l] = (differences + if off < 1.0 { (1.0 - off) * kappa } else { 0.0 }, cut);
+        }
+        values
     };
-    graph.slots.par_iter().with_min_len(512).map(of_slot).unzip()
+    let values: Vec<_> = graph.slots.par_chunks(LANES).with_min_len(64).map(of_slots).collect();
+    values.into_iter().flatten().take(graph.slots.len()).unzip()
 }
 
 /// The filtered curvature on the graph; `repairs` records solves that did not converge.

@@ -68,7 +68,7 @@ impl Graph {
             self.links[i].iter().map(|&(j, c)| c as f64 * (v[i] - v[j as usize])).sum::<f64>()
                 / self.measure[i]
         };
-        (0..v.len()).map(row).collect()
+        (0..v.len()).into_par_iter().with_min_len(CHUNK).map(row).collect()
     }
 
     /// `|W v|²`.
@@ -80,14 +80,15 @@ impl Graph {
     /// residual is relative to the root of `scale`, usually [`Self::norm_squared`] of `v`.
     pub fn filter(&self, v: &[f64], s: f64, scale: f64) -> FilterResult {
         let n = v.len();
-        let diagonal: Vec<Complex> = (0..n)
+        let places = || (0..n).into_par_iter().with_min_len(CHUNK);
+        let diagonal: Vec<Complex> = places()
             .map(|i| [self.measure[i], s * self.links[i].iter().map(|l| l.1 as f64).sum::<f64>()])
             .collect();
-        let mut x: Vec<Complex> = v.iter().map(|v| [*v, 0.0]).collect();
+        let mut x: Vec<Complex> = places().map(|i| [v[i], 0.0]).collect();
         let mut q = vec![[0.0; 2]; n];
         self.multiply(s, &x, &mut q);
-        let mut r: Vec<Complex> = (0..n).map(|i| [self.measure[i] * v[i] - q[i][0], -q[i][1]]).collect();
-        let mut p: Vec<Complex> = (0..n).map(|i| over(r[i], diagonal[i])).collect();
+        let mut r: Vec<Complex> = places().map(|i| [self.measure[i] * v[i] - q[i][0], -q[i][1]]).collect();
+        let mut p: Vec<Complex> = places().map(|i| over(r[i], diagonal[i])).collect();
         let start = par::sums(n, |i| with_square(times(r[i], p[i]), r[i]));
         let (mut rho, mut square) = ([start[0], start[1]], start[2]);
         for _ in 0..MAX_ITERATIONS {

@@ -5,9 +5,13 @@
 //! the bits of the interpolation at its point alone. Limit: a stencil that leaves the data is read alone.
 
 use super::stencil::Window;
-use super::weights::{MAX_SMOOTH_THIRD_DIFFERENCE_CELLS, QUINTIC_SCALE};
+use super::weights::{
+    KINK_SLOPE_LOSS, KINK_TRANSITION_CELLS, MAX_SMOOTH_THIRD_DIFFERENCE_CELLS, QUINTIC_SCALE,
+};
 use super::{Sampler, VelocitySampler};
-use crate::lanes::{LANES, Lanes, VectorLanes};
+use crate::Vector;
+use crate::grid::Lattice;
+use crate::lanes::{ALL_LANES, LANES, Lanes, VectorLanes};
 
 /// Length of the row that the stencils of two points along an axis read in all lanes.
 const LINEAR_ROW: usize = LANES + 1;
@@ -39,23 +43,58 @@ impl<const D: usize> Sampler<'_, D> {
         self.cubic_in(&places.each_ref(), &weights.each_ref())
     }
 
-    /// [`Self::distance`] in each lane. The lanes at kinks are read alone.
+    /// [`Self::distance`] in each lane.
     #[inline]
     pub fn distance_lanes(&self, x: &VectorLanes<D>) -> Lanes {
         let places: [Places; D] = std::array::from_fn(|a| self.places_along(a, x.0[a]));
         let weights = places.map(|place| quintic_weight_lanes(place.t));
-        let unknown = Lanes::splat(f64::NAN);
         let all = |window: &Window<'_>| {
             let third = third_difference_lanes::<D>(window) * self.inverse_dx;
             let is_smooth = third.less_than(Lanes::splat(MAX_SMOOTH_THIRD_DIFFERENCE_CELLS));
-            is_smooth.select(contract_quintic_lanes(window, &weights), unknown)
+            let smooth = contract_quintic_lanes(window, &weights);
+            if is_smooth.bits() == ALL_LANES {
+                return smooth;
+            }
+            is_smooth.select(smooth, self.eno_lanes(&window.middle::<D>(), places.map(|place| place.t)))
         };
-        let values = self.by_stencils::<6, QUINTIC_ROW>(&places.each_ref(), all, |_| f64::NAN);
-        if values.equal_to(values).bits() == crate::lanes::ALL_LANES {
-            return values;
-        }
-        let (values, x) = (values.to_array(), x.to_array());
-        Lanes::from_fn(|l| if values[l].is_nan() { self.distance(&x[l]) } else { values[l] })
+        let one = |l: usize| self.distance(&Vector::from_fn(|a, _| x.0[a].to_array()[l]));
+        self.by_stencils::<6, QUINTIC_ROW>(&places.each_ref(), all, one)
+    }
+
+    /// The value of [`Self::eno_cubic_in`] in each lane, of rows shifted by a value each.
+    #[inline(never)]
+    fn eno_lanes(&self, window: &Window<'_>, t: [Lanes; D]) -> Lanes {
+        let (kink, scale) = (kink_indicator_lanes::<D>(window), Lanes::splat(self.inverse_dx));
+        let reduced = |points: [Lanes; 4], t: Lanes| {
+            let weights = eno_cubic_weight_lanes(points.map(|v| v * scale), t, kink);
+            let terms: [Lanes; 4] = std::array::from_fn(|k| weights[k] * points[k]);
+            (terms[0] + terms[1]) + (terms[2] + terms[3])
+        };
+        let row = |j: usize, k: usize| {
+            let values = window.row::<CUBIC_ROW>(j, k);
+            reduced(std::array::from_fn(|i| Lanes::load(values, i)), t[0])
+        };
+        let plane = |k: usize| reduced(std::array::from_fn(|j| row(j, k)), t[1]);
+        if D == 3 { reduced(std::array::from_fn(plane), t[2]) } else { plane(0) }
+    }
+
+    /// The values beside several lattice points, by their distance from these, of at most `reach` along each axis; `None` where one of them
+    /// lies beyond the edges.
+    #[inline(always)]
+    pub fn values_around(
+        &self,
+        points: [[usize; D]; LANES],
+        reach: usize,
+    ) -> Option<impl Fn([isize; D]) -> Lanes + '_> {
+        let Lattice { extent, stride } = self.lattice;
+        let is_inner = |at: &[usize; D]| (0..D).all(|a| at[a] >= reach && at[a] + reach < extent[a]);
+        points.iter().all(is_inner).then(|| {
+            let centers = points.map(|at| self.lattice.index(at));
+            move |shift: [isize; D]| {
+                let shift = (0..D).map(|a| shift[a] * stride[a] as isize).sum::<isize>();
+                Lanes::from_fn(|l| self.data[centers[l].wrapping_add_signed(shift)])
+            }
+        })
     }
 
     /// [`Self::locate_along`] in each lane.
@@ -114,7 +153,7 @@ impl<const D: usize> Sampler<'_, D> {
             is_inside = is_inside & first.at_least(Lanes::ZERO) & last.at_least(first);
             origin = origin + first * self.lattice.stride[a] as f64;
         }
-        let (mut values, mut rest, origins) = (Lanes::ZERO, crate::lanes::ALL_LANES, origin.to_array());
+        let (mut values, mut rest, origins) = (Lanes::ZERO, ALL_LANES, origin.to_array());
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
             let is_same = origin.equal_to(Lanes::splat(origins[lane])) & is_inside;
@@ -329,4 +368,50 @@ fn larger_third(worst: Lanes, values: [Lanes; 4]) -> Lanes {
 #[inline(always)]
 fn larger_third_across(worst: Lanes, rows: [&[f64; QUINTIC_ROW]; 4]) -> Lanes {
     (1..5).fold(worst, |worst, i| larger_third(worst, rows.map(|row| Lanes::load(row, i))))
+}
+
+/// The weights of [`super::weights::eno_cubic_weights`] in each lane.
+#[inline(always)]
+fn eno_cubic_weight_lanes(v: [Lanes; 4], t: Lanes, kink: Lanes) -> [Lanes; 4] {
+    let (zero, one) = (Lanes::ZERO, Lanes::splat(1.0));
+    let (a, b) = (v[0] - v[1] * 2.0 + v[2], v[1] - v[2] * 2.0 + v[3]);
+    let excess =
+        ((a - b).abs() - Lanes::splat(MAX_SMOOTH_THIRD_DIFFERENCE_CELLS)).max(zero) / KINK_TRANSITION_CELLS;
+    let square = excess * excess;
+    let smooth = one / (one + square * square) / 3.0;
+    let (left, right) = (smooth * (Lanes::splat(2.0) - t), smooth * (one + t));
+    let q = t * 0.5 * (t - one);
+    let rest = one - smooth * 3.0;
+    let kink = kink * rest;
+    let is_left = a.abs().less_than(b.abs());
+    let is_near = (t * a.abs()).less_than((one - t) * b.abs());
+    let bent = |side: Lanes, share: Lanes, line: Lanes| {
+        let side = side + q * share;
+        side + kink * (line - side)
+    };
+    let same = zero.less_than(a * b);
+    let bent_left = bent(q * left, is_left.select(rest, zero), is_near.select(zero - t, zero));
+    let bent_right = bent(q * right, is_left.select(zero, rest), is_near.select(zero, t - one));
+    let (l, r) = (same.select(bent_left, q * left), same.select(bent_right, q * right));
+    [l, one - t - l * 2.0 + r, t + l - r * 2.0, r]
+}
+
+/// [`super::weights::kink_indicator`] in each lane, of rows shifted by a value each.
+#[inline(always)]
+fn kink_indicator_lanes<const D: usize>(window: &Window<'_>) -> Lanes {
+    let square = |axis: usize, shift: usize| {
+        let mut rise = [Lanes::ZERO; D];
+        for corner in 0..1 << D {
+            let place = |b: usize| (corner >> b & 1) + if b == axis { shift } else { 1 };
+            let row = window.row::<CUBIC_ROW>(place(1), if D == 3 { place(2) } else { 0 });
+            let value = Lanes::load(row, place(0));
+            for (a, rise) in rise.iter_mut().enumerate() {
+                *rise = if corner >> a & 1 == 1 { *rise + value } else { *rise - value };
+            }
+        }
+        rise.iter().fold(Lanes::ZERO, |sum, r| sum + *r * *r)
+    };
+    let around = (0..D).map(|a| square(a, 0).min(square(a, 2))).fold(Lanes::ZERO, |worst, s| s.max(worst));
+    let part = (square(0, 1) / around.max(Lanes::splat(1e-300))).sqrt();
+    ((Lanes::splat(1.0) - part) / KINK_SLOPE_LOSS).max(Lanes::ZERO).min(Lanes::splat(1.0))
 }

@@ -27,9 +27,9 @@ pub(super) fn cubic_weight_derivatives(t: f64) -> [f64; 4] {
 /// Third difference, in cells, up to which a distance counts as smooth: a ball with a radius of seven cells has no larger one.
 pub(super) const MAX_SMOOTH_THIRD_DIFFERENCE_CELLS: f64 = 0.02;
 /// Excess third difference, in cells, at which the cubic and the one-sided form have equal weights.
-const KINK_TRANSITION_CELLS: f64 = 0.1;
+pub(super) const KINK_TRANSITION_CELLS: f64 = 0.1;
 /// Relative loss of slope across the middle cube at which a kink is certain.
-const KINK_SLOPE_LOSS: f64 = 0.05;
+pub(super) const KINK_SLOPE_LOSS: f64 = 0.05;
 
 /// Weights of four values (in cells) at `t`, and their derivatives: linear interpolation plus the contribution of each second difference.
 ///
