@@ -279,8 +279,9 @@ impl<const D: usize> VolumeCorrection<'_, D> {
                     *value = if *value < 0.0 { shifted.min(-min_phi) } else { shifted.max(min_phi) };
                 }
             });
-            let dual_cells = self.dual_grid.dual_cells(&phi.data, &now.keys);
-            now = self.volumes_of(now.keys, now.components, dual_cells);
+            // The memory of the dual cells is used again: new pages are slow.
+            self.dual_grid.update_dual_cells(&phi.data, &now.keys, &mut now.dual_cells);
+            now = self.volumes_of(now.keys, now.components, now.dual_cells);
         }
         let converged = is_converged(&now, &centroid_corrections(groups, targets, &now.centers));
         (now, converged)

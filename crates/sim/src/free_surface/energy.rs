@@ -121,6 +121,11 @@ impl<const D: usize> DualGrid<D> {
         keys.par_iter().map(|&k| self.dual_cell(phi, k)).collect()
     }
 
+    /// Computes the dual cells with these keys anew in their memory.
+    pub fn update_dual_cells(&self, phi: &[f64], keys: &[u32], dual_cells: &mut [DualCell]) {
+        dual_cells.par_iter_mut().zip(keys).for_each(|(cell, &key)| *cell = self.dual_cell(phi, key));
+    }
+
     /// Every dual cell that the surface crosses or in which liquid wets a solid, in order of memory.
     #[cfg(test)]
     pub fn interface_cells(&self, phi: &[f64], band: &Band<D>) -> Vec<DualCell> {
@@ -229,14 +234,20 @@ impl<const D: usize> DualGrid<D> {
             n => from_origin(a, n as f64 - 0.5),
         });
         let high = self.bond_vector.dot(&shift);
-        (0..1 << D).for_each(|k| cube.energy_slope[k] += high * cube.volume_slope[k]);
-        for &(a, b, place) in rotation_planes::<D>() {
-            let [x, y] = [a, b].map(|a| from_origin(a, at[a] as f64 - 0.5));
-            cube.pull_moments[0][place] += x * cube.normal_pull[b] - y * cube.normal_pull[a];
-            cube.pull_moments[1][place] += x * cube.wetting_direction[b] - y * cube.wetting_direction[a];
+        if high != 0.0 {
+            (0..1 << D).for_each(|k| cube.energy_slope[k] += high * cube.volume_slope[k]);
+        }
+        if cube.solid != u32::MAX {
+            for &(a, b, place) in rotation_planes::<D>() {
+                let [x, y] = [a, b].map(|a| from_origin(a, at[a] as f64 - 0.5));
+                cube.pull_moments[0][place] += x * cube.normal_pull[b] - y * cube.normal_pull[a];
+                cube.pull_moments[1][place] += x * cube.wetting_direction[b] - y * cube.wetting_direction[a];
+            }
         }
         let sides = (0..D).filter(|&a| at[a] == 0 || at[a] == last[a]).count();
-        cube.scale(0.5f64.powi(sides as i32));
+        if sides > 0 {
+            cube.scale(0.5f64.powi(sides as i32));
+        }
         for a in 0..D {
             let own = if at[a] == 0 || at[a] == last[a] { 0.0 } else { cube.excess_moment[a] };
             cube.excess_moment[a] = own + shift[a] * cube.excess_volume;
