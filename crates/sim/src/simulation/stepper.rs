@@ -144,7 +144,7 @@ impl<const D: usize> Simulation<D> {
     where
         Self: Compiled<D>,
     {
-        let functions = Self::FUNCTIONS;
+        let functions = Self::functions();
         let workspace = (functions.workspace)(&model, &mut state);
         Self { model, state, workspace, functions }
     }
@@ -409,17 +409,22 @@ pub struct Functions<const D: usize> {
 /// A simulation in two or three dimensions. Generic code that starts one has the bound `Simulation<D>: Compiled<D>`.
 pub trait Compiled<const D: usize> {
     /// The functions that are compiled for this dimension.
-    const FUNCTIONS: Functions<D>;
+    fn functions() -> Functions<D>;
 }
 
 impl Compiled<2> for Simulation<2> {
-    const FUNCTIONS: Functions<2> =
-        Functions { workspace: Workspace::new, initialise: Self::initialise, step: Self::advance };
+    // Inlined, or as a constant, it would have the functions compiled where it is used.
+    #[inline(never)]
+    fn functions() -> Functions<2> {
+        Functions { workspace: Workspace::new, initialise: Self::initialise, step: Self::advance }
+    }
 }
 
 impl Compiled<3> for Simulation<3> {
-    const FUNCTIONS: Functions<3> =
-        Functions { workspace: Workspace::new, initialise: Self::initialise, step: Self::advance };
+    #[inline(never)]
+    fn functions() -> Functions<3> {
+        Functions { workspace: Workspace::new, initialise: Self::initialise, step: Self::advance }
+    }
 }
 
 #[cfg(test)]
