@@ -86,6 +86,7 @@ impl<const D: usize> Band<D> {
         self.segments = self.find_segments();
     }
 
+    /// Collects the cells into segments, row by row between the first and the last cell of each row.
     fn find_segments(&self) -> Vec<Segment> {
         let row_length = self.grid.cells[0];
         let mut reach = vec![(u32::MAX, 0); self.grid.lattice().rows()];

@@ -102,7 +102,8 @@ impl<const D: usize> Sampler<'_, D> {
     fn places_along(&self, a: usize, x: Lanes) -> Places {
         let shift = Lanes::splat(self.margin_cells[a] - self.stagger_cells[a]);
         let upper = Lanes::splat(self.lattice.extent[a] as f64 + 1.0);
-        let s = (x * self.inverse_dx + shift).max(Lanes::splat(-2.0)).min(upper);
+        // A place that is not a number stays so, because it is the second operand.
+        let s = upper.min(Lanes::splat(-2.0).max(x * self.inverse_dx + shift));
         let base = s.floor();
         Places { base, t: s - base }
     }
@@ -314,7 +315,7 @@ fn contract_lanes_within_range<const D: usize>(window: &Window<'_>, weights: &[&
         }
     }
     let terms: [Lanes; 4] = std::array::from_fn(|i| sums[i] * weights[0][i]);
-    ((terms[0] + terms[1]) + (terms[2] + terms[3])).max(low).min(high)
+    high.min(low.max((terms[0] + terms[1]) + (terms[2] + terms[3])))
 }
 
 /// [`super::stencil::contract_rows`] in each lane, of rows shifted by a value each.
@@ -413,5 +414,5 @@ fn kink_indicator_lanes<const D: usize>(window: &Window<'_>) -> Lanes {
     };
     let around = (0..D).map(|a| square(a, 0).min(square(a, 2))).fold(Lanes::ZERO, |worst, s| s.max(worst));
     let part = (square(0, 1) / around.max(Lanes::splat(1e-300))).sqrt();
-    ((Lanes::splat(1.0) - part) / KINK_SLOPE_LOSS).max(Lanes::ZERO).min(Lanes::splat(1.0))
+    Lanes::splat(1.0).min(Lanes::ZERO.max((Lanes::splat(1.0) - part) / KINK_SLOPE_LOSS))
 }

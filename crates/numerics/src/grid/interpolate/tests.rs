@@ -76,7 +76,7 @@ fn beyond_a_thin_solid_lies_no_surface_of_this_side() {
     the_side_decides_the_sign::<3>();
 }
 
-/// What is read at lattice places agrees with the general interpolation, in the middle and beside the sides.
+/// The short formulas at face centres and cell centres give the values of the general interpolation, also next to the sides.
 fn places_are_those_of_the_general_forms<const D: usize>() {
     let grid = Grid::<D>::new([9; D], 0.5);
     let lattice = grid.lattice();
@@ -176,6 +176,25 @@ fn lanes_are_single_points<const D: usize>() {
             }
         }
     }
+}
+
+/// A number that is not finite must reach the checks of a step: no lane may replace it by a bound.
+#[test]
+fn what_is_not_a_number_stays_so_in_its_lane() {
+    let grid = Grid::<2>::new([12; 2], 1.0);
+    let mut data = vec![1.0; grid.lattice().len()];
+    let x = |l: usize| Vector::from([if l == 3 { f64::NAN } else { 2.1 + l as f64 }, 5.2]);
+    let edges = [[BoundaryExtension::Even; 2]; 2];
+    let sampler = Sampler::cells(&grid, &data, edges);
+    let x = VectorLanes::from_fn(x);
+    for values in [sampler.linear_lanes(&x), sampler.cubic_lanes(&x), sampler.distance_lanes(&x)] {
+        let found = values.to_array();
+        assert!((0..LANES).all(|l| found[l].is_nan() == (l == 3)), "{found:?}");
+    }
+    data[grid.lattice().index([5, 5])] = f64::NAN;
+    let sampler = Sampler::cells(&grid, &data, edges);
+    let x = VectorLanes::from_fn(|l| Vector::from([5.4 + 0.01 * l as f64, 5.2]));
+    assert!(sampler.cubic_lanes(&x).to_array().iter().all(|v| v.is_nan()));
 }
 
 #[test]
