@@ -10,7 +10,8 @@ const CHUNK: usize = 1 << 14;
 /// Division by the diagonal.
 #[derive(Clone, Debug)]
 pub struct Jacobi<T: Real = f64> {
-    inverse: Vec<T>,
+    /// The inverse of the diagonal.
+    pub(super) inverse: Vec<T>,
 }
 
 impl<T: Real> Jacobi<T> {

@@ -1,5 +1,6 @@
 //! Linear operators, preconditioners and solvers.
 
+mod chebyshev;
 mod jacobi;
 mod krylov;
 mod operator;
@@ -7,6 +8,7 @@ mod poisson;
 mod real;
 mod vectors;
 
+pub use chebyshev::{Chebyshev, ChebyshevWork};
 pub use jacobi::Jacobi;
 pub use krylov::{
     conjugate_gradient, conjugate_gradient_in_single_precision, conjugate_gradient_with_workspace, minres,
@@ -18,4 +20,4 @@ pub use poisson::{
     PressureSolver, PressureSystem, SparseColumn,
 };
 pub use real::Real;
-pub use vectors::dot_serial;
+pub use vectors::{dot, dot_serial};

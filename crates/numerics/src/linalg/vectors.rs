@@ -32,7 +32,7 @@ pub(super) fn dot_lanes<const N: usize>(a: &[f64], b: &[f64], sums: &mut [f64; N
 }
 
 /// `a · b`.
-pub(super) fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
+pub fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
     if a.len() <= CHUNK {
         return dot_serial(a, b);
     }
@@ -139,6 +139,24 @@ pub(super) fn axpy<T: Real>(alpha: f64, p: &[T], x: &mut [T]) {
     x.par_chunks_mut(CHUNK)
         .zip(p.par_chunks(CHUNK))
         .for_each(|(x, p)| x.iter_mut().zip(p).for_each(|(x, p)| *x = *x + alpha * *p));
+}
+
+/// `p = a p + b d r` with the `factors` `a` and `b`, then `x += p`.
+pub(super) fn add_preconditioned_step<T: Real>(
+    factors: [f64; 2],
+    d: &[T],
+    r: &[T],
+    p: &mut [T],
+    x: &mut [T],
+) {
+    let [a, b] = factors.map(T::from_f64);
+    let inputs = r.par_chunks(CHUNK).zip(d.par_chunks(CHUNK));
+    x.par_chunks_mut(CHUNK).zip(p.par_chunks_mut(CHUNK)).zip(inputs).for_each(|((x, p), (r, d))| {
+        for ((x, p), (r, d)) in x.iter_mut().zip(p).zip(r.iter().zip(d)) {
+            *p = a * *p + b * (*d * *r);
+            *x = *x + *p;
+        }
+    });
 }
 
 /// `p ← factor p`, and `v ← factor v`.

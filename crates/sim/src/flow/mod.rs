@@ -5,4 +5,3 @@ pub mod outflow;
 pub mod prescribed;
 pub mod pressure;
 pub mod viscosity;
-mod viscous_operator;

@@ -1,9 +1,6 @@
 //! Energies, forces and tangents fit together, in 2D and 3D.
-#![allow(clippy::unwrap_used)]
 
-mod lattice;
-
-use lattice::{Noise, quadratic};
+use crate::lattice::{Noise, quadratic};
 use meniscus_elastic::{
     CRUSHED_VOLUME_RATIO, ConstitutiveLaw, Continuum, Corotated, DiscreteGradientTerm, Elastic,
     ElasticSpecification, ElasticState, ElementOrder, ForceTerm, IncrementalPotential, InversionBarrier,

@@ -1,5 +1,4 @@
 //! Boxes cut into cells, and these into simplices around a diagonal.
-#![allow(dead_code)]
 
 use meniscus_elastic::{Anchor, ConstitutiveLaw, ElasticSpecification, ElementOrder};
 use meniscus_numerics::Vector;

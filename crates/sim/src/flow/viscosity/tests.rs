@@ -7,7 +7,7 @@ use crate::simulation::workspace::Workspace;
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::linalg::LinearOperator;
+use meniscus_numerics::linalg::{LinearOperator, Preconditioner, dot};
 
 fn model<const D: usize>(cells: usize) -> Model<D> {
     Model {
@@ -104,7 +104,7 @@ fn operator_is_symmetric<const D: usize>() {
     let places = UnknownCells::new(&model, &d);
     let builder = Builder::new(&model, &d, &places, 3.0);
     let operator = builder.operator(&builder.deep_cells());
-    let count = places.list.len();
+    let count = places.cells.count();
     let diagonal = operator.diagonal();
     let n = count * D;
     let (mut x, mut image) = (vec![0.0; n], vec![0.0; n]);
@@ -133,7 +133,7 @@ fn deep_stretches_are_the_general_operator<const D: usize>() {
     let d = diffusion(&mut state, &work);
     let places = UnknownCells::new(&model, &d);
     let builder = Builder::new(&model, &d, &places, 3.0);
-    let count = places.list.len();
+    let count = places.cells.count();
     let operators = [builder.deep_cells(), vec![false; count]].map(|deep| builder.operator(&deep));
     assert!(operators[0].deep_cells() > count / 8 && operators[1].deep_cells() == 0);
     assert!(operators[0].diagonal() == operators[1].diagonal(), "{D}D");
@@ -160,11 +160,11 @@ fn a_linear_strain_dissipates_what_it_should() {
     let (mut state, work) = liquid(&model, |x| (x - center).norm() - 0.25, |_| Vector::zeros());
     let d = diffusion(&mut state, &work);
     let places = UnknownCells::new(&model, &d);
-    let count = places.list.len();
+    let count = places.cells.count();
     let mut operator = Builder::new(&model, &d, &places, 1.0).operator(&vec![false; count]);
     operator.cells.iter_mut().for_each(|c| c.face_mass = [0.0; 2]);
     let strain = |i: usize, a: usize| {
-        let x = model.grid.face_center(a, places.lattice.coordinates(places.list[i] as usize));
+        let x = model.grid.face_center(a, places.cells.coordinates(i));
         if i == 0 { 0.0 } else { [x[0], -x[1]][a] }
     };
     let x: Vec<f64> = (0..2 * count).map(|i| strain(i % count, i / count)).collect();
@@ -185,6 +185,102 @@ fn the_number_of_threads_changes_no_bit() {
             let (mut state, work) = liquid(&model, ball, flow);
             let report = diffusion(&mut state, &work).advance(&model, 0.05).unwrap();
             assert!(report.iterations > 5);
+            state.velocity.axes.map(|v| v.iter().map(|u| u.to_bits()).collect::<Vec<_>>())
+        })
+    };
+    assert_eq!(bits(1), bits(2));
+}
+
+/// Iterations of the diagonal and of multigrid for a flow with waves of all lengths.
+fn iterations<const D: usize>(
+    model: &Model<D>,
+    distance: impl Fn(&Vector<D>) -> f64,
+    stiffness: f64,
+) -> [usize; 2] {
+    let flow = |x: &Vector<D>| Vector::from_fn(|a, _| (9.0 * x[(a + 1) % D] + a as f64).sin());
+    let (mut state, work) = liquid(model, distance, flow);
+    let d = diffusion(&mut state, &work);
+    let places = UnknownCells::new(model, &d);
+    let builder = Builder::new(model, &d, &places, stiffness);
+    let operator = builder.operator(&builder.deep_cells());
+    let x = gather(&operator, model, &places, &d);
+    let b = operator.times_face_mass(&x);
+    let limits = SolveLimits { tolerance: TOLERANCE, max_iterations: MAX_ITERATIONS };
+    let mut systems = vec![ViscousSystem { cells: places.cells, operator, stiffness }];
+    add_coarse_systems(&mut systems);
+    let operator = &systems[0].operator;
+    let jacobi = Jacobi::new(&operator.diagonal());
+    let multigrid = Multigrid::new(&systems);
+    let solve = |m: &dyn Fn(&mut [f64]) -> SolveReport| m(&mut x.clone()).iterations;
+    [
+        solve(&|x| conjugate_gradient_in_single_precision(operator, &jacobi, &b, x, limits).unwrap()),
+        solve(&|x| conjugate_gradient_in_single_precision(operator, &multigrid, &b, x, limits).unwrap()),
+    ]
+}
+
+#[test]
+fn iterations_of_multigrid_do_not_grow_with_the_stiffness() {
+    let waves = |x: &Vector<3>| x[2] - 0.43 - 0.05 * (7.0 * x[0] + 4.0 * x[1]).sin();
+    for stiffness in [1.0, 10.0, 100.0, 1000.0] {
+        let flat = [
+            iterations(&model::<2>(64), ball, stiffness),
+            iterations(&model::<2>(64), |x| waves(&Vector::<3>::new(x[0], 0.0, x[1])), stiffness),
+            iterations(&model::<3>(48), waves, stiffness),
+        ];
+        for [diagonal, multigrid] in flat {
+            assert!(multigrid <= 12 && multigrid < diagonal, "{stiffness}: {multigrid}, {diagonal} without");
+        }
+    }
+}
+
+fn multigrid_is_symmetric<const D: usize>() {
+    // The liquid touches a closed and an open side.
+    let mut model = model::<D>(12);
+    model.walls[0][1] = Wall::Open;
+    model.walls[1][0] = Wall::Open;
+    let (mut state, work) = liquid(&model, |x| ball(&(x * 0.6)), |_| Vector::zeros());
+    let d = diffusion(&mut state, &work);
+    let places = UnknownCells::new(&model, &d);
+    let builder = Builder::new(&model, &d, &places, 30.0);
+    let operator = builder.operator(&builder.deep_cells());
+    let mut systems = vec![ViscousSystem { cells: places.cells, operator, stiffness: 30.0 }];
+    add_coarse_systems(&mut systems);
+    let multigrid = Multigrid::new(&systems);
+    let operator = &systems[0].operator;
+    // Residuals are images: no unknown without liquid has one of its own.
+    let image = |seed: f32| {
+        let x: Vec<f32> =
+            (0..LinearOperator::<f32>::size(operator)).map(|i| (seed * i as f32).sin()).collect();
+        let mut y = vec![0.0; x.len()];
+        operator.apply(&x, &mut y);
+        y
+    };
+    let [a, b] = [0.7, 1.3].map(image);
+    let [mut x, mut y] = [(); 2].map(|()| vec![0.0; a.len()]);
+    let norms = [multigrid.apply(&a, &mut x), multigrid.apply(&b, &mut y)];
+    let (one, two) = (dot(&x, &b), dot(&a, &y));
+    let size = (norms[0] * norms[1]).sqrt();
+    assert!(systems.len() > 2 && norms[0] > 0.0 && norms[1] > 0.0);
+    assert!((one - two).abs() < 1e-4 * size, "{D}D: {one}, {two} of {size}");
+}
+
+#[test]
+fn multigrid_preconditions_symmetrically() {
+    multigrid_is_symmetric::<2>();
+    multigrid_is_symmetric::<3>();
+}
+
+#[test]
+fn stiff_liquids_do_not_depend_on_the_number_of_threads() {
+    let mut model = model::<3>(24);
+    model.kinematic_viscosity = 10.0;
+    let bits = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let flow = |x: &Vector<3>| Vector::from_fn(|a, _| (9.0 * x[(a + 1) % 3] + a as f64).sin());
+            let (mut state, work) = liquid(&model, ball, flow);
+            let report = diffusion(&mut state, &work).advance(&model, 0.05).unwrap();
+            assert!(stiffness(&model, 0.05) > 100.0 && report.iterations < 20, "{report:?}");
             state.velocity.axes.map(|v| v.iter().map(|u| u.to_bits()).collect::<Vec<_>>())
         })
     };

@@ -1,4 +1,4 @@
-//! The operator of the viscous step, `M + ½ h Φ'` ([`super::viscosity`]), by cells.
+//! The operator of the viscous step, `M + ½ h Φ'` ([`super`]), by cells.
 //!
 //! In the middle of liquid, where the cell and those beside it are full and apart from solids, the coefficients are constants: along such
 //! stretches of a row the operator is a stencil on the velocity. Only the other cells have coefficients of their own: of these a weighted
@@ -44,6 +44,14 @@ impl<const D: usize> Cell<D> {
         let mut shear = [0.0; D];
         rotation_planes::<D>().iter().enumerate().for_each(|(k, _)| shear[k] = stiffness);
         Self { next, normal: 2.0 * stiffness, shear, face_mass: [1.0; D], is_unknown: [true; D] }
+    }
+
+    /// Whether this cell has the coefficients of one in the middle of liquid, and neighbours all around.
+    pub fn is_full(&self, stiffness: f64) -> bool {
+        let Self { normal, shear, face_mass, is_unknown, .. } = Self::full(self.next, stiffness);
+        self.next.iter().flatten().all(|n| *n != 0)
+            && (self.normal, self.shear, self.face_mass) == (normal, shear, face_mass)
+            && self.is_unknown == is_unknown
     }
 }
 

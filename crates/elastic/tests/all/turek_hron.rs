@@ -1,10 +1,7 @@
 //! The flag of Turek & Hron 2006 at rest (CSM1; `meniscus verify elastic-flag` has it swinging, CSM3): a beam of 0.35 m × 0.02 m
 //! at a cylinder of radius 0.05 m, ρ = 1000 kg/m³, E = 1.4 MPa, ν = 0.4, under 2 m/s².
-#![allow(clippy::unwrap_used)]
 
-mod lattice;
-
-use lattice::{free, quadratic, rubber};
+use crate::lattice::{free, quadratic, rubber};
 use meniscus_elastic::{Anchor, Elastic};
 use meniscus_numerics::Vector;
 

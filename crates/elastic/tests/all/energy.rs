@@ -1,9 +1,6 @@
 //! Energy and momenta over many steps.
-#![allow(clippy::unwrap_used)]
 
-mod lattice;
-
-use lattice::{Noise, clamped, free, quadratic, rubber};
+use crate::lattice::{Noise, clamped, free, quadratic, rubber};
 use meniscus_elastic::{Anchor, Elastic, ElasticState, TangentWeights};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};

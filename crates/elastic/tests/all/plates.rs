@@ -1,9 +1,6 @@
 //! The stiffness of thin plates against that of plate theory, for few layers.
-#![allow(clippy::unwrap_used)]
 
-mod lattice;
-
-use lattice::{block, free, quadratic};
+use crate::lattice::{block, free, quadratic};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElementOrder, StiffnessBlock, TangentWeights};
 use meniscus_numerics::{Matrix, Vector};
 

@@ -1,10 +1,7 @@
 //! Tables of the cost of elements and of their error in bending: cantilevers on lattices and on triangulated outlines against Timoshenko's beam.
 //! (Those that are stuffed: `meniscus verify elastic-unstructured`.)
-#![allow(clippy::unwrap_used)]
 
-mod lattice;
-
-use lattice::{block, clamped};
+use crate::lattice::{block, clamped};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElementOrder, TangentWeights, lowest_modes};
 use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::VolumeMesh;

@@ -1,9 +1,6 @@
 //! What is no solid is refused, by name and with its place; what is told to held vertices happens.
-#![allow(clippy::unwrap_used)]
 
-mod lattice;
-
-use lattice::{block, free, linear};
+use crate::lattice::{block, free, linear};
 use meniscus_elastic::{
     Anchor, AnchorMotion, ConstitutiveLaw, Elastic, ElasticError, ElasticSpecification, ElementOrder,
     StiffnessBlock, TangentWeights,
@@ -72,8 +69,8 @@ fn refusals() {
 
 #[test]
 fn held_vertices_go_where_they_are_told() {
-    let mesh = lattice::quadratic([2, 2], [1.0, 1.0]);
-    let mut description = free(mesh, 1.0, lattice::rubber(1.0, 0.3));
+    let mesh = crate::lattice::quadratic([2, 2], [1.0, 1.0]);
+    let mut description = free(mesh, 1.0, crate::lattice::rubber(1.0, 0.3));
     let path = vec![(0.0, Vector::zeros()), (0.5, Vector::from([0.2, 0.1])), (1.0, Vector::from([0.2, 0.0]))];
     description.anchors = vec![Anchor {
         motion: AnchorMotion::Keyframes(path),
@@ -103,7 +100,7 @@ fn small_displacements_balance_forces() {
     let extra = StiffnessBlock { first: 4, second: 5, block: Matrix::<2>::new(0.1, 0.2, 0.0, 0.3) };
     let diagonal = |v| StiffnessBlock { first: v, second: v, block: Matrix::<2>::identity() };
     let extra = [extra, diagonal(4), diagonal(5)];
-    let b = lattice::Noise(1).vectors::<2>(9);
+    let b = crate::lattice::Noise(1).vectors::<2>(9);
     let x = body.linear_static_displacements(&b, &extra).unwrap();
     let mut matrix = body.tangent(
         &body.rest_mesh().positions,

@@ -1,9 +1,6 @@
 //! Cantilevers against beam theory, 2D (plane strain) and 3D.
-#![allow(clippy::unwrap_used)]
 
-mod lattice;
-
-use lattice::{clamped, quadratic, rubber};
+use crate::lattice::{clamped, quadratic, rubber};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElementOrder, lowest_modes};
 use meniscus_numerics::Vector;
 
