@@ -343,7 +343,7 @@ pub enum Solids {
 /// `meniscus bench`.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
-    /// What to time: pressure, step (both without it), table1 (the paper's table, long).
+    /// What to time: pressure, step (both without it), table1 (the paper's table, long), precision (errors and cost of long steps, long).
     pub names: Vec<String>,
     /// Small and short, to see that it works.
     #[arg(long)]
@@ -363,7 +363,7 @@ pub struct BenchArgs {
     /// Write the results as JSON.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// With table1 alone: print the table as a page of Markdown, and the rows to standard error as they come.
+    /// With table1 or precision alone: print the tables as a page of Markdown, and the rows to standard error as they come.
     #[arg(long)]
     pub markdown: bool,
 }

@@ -7,6 +7,7 @@ use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
     Compiled, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, StepError, StepReport, Wall,
 };
+use serde::Serialize;
 
 /// Radius of the drops.
 pub const RADIUS: f64 = 0.5;
@@ -29,6 +30,28 @@ pub fn unit_model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model
         gravity: Vector::zeros(),
         solids: Vec::new(),
         numerics: Numerics::default(),
+    }
+}
+
+/// Bounds of the step length.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StepBounds {
+    /// Longest step over the explicit capillary limit.
+    pub capillary_step: f64,
+    /// Longest path in a step, cells.
+    pub cfl: f64,
+}
+
+impl Default for StepBounds {
+    fn default() -> Self {
+        let Numerics { capillary_step, cfl, .. } = Numerics::default();
+        Self { capillary_step, cfl }
+    }
+}
+
+impl From<StepBounds> for Numerics {
+    fn from(StepBounds { capillary_step, cfl }: StepBounds) -> Self {
+        Self { capillary_step, cfl, ..Self::default() }
     }
 }
 

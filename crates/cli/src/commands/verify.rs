@@ -3,7 +3,7 @@
 use super::{print, save, version, with_threads};
 use crate::args::VerifyArgs;
 use crate::failure::{Failure, MISSED, Result, USAGE};
-use meniscus_validation::{Case, Mode, Outcome, cases, report};
+use meniscus_validation::{Case, Mode, Outcome, cases, groups, report};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -59,7 +59,7 @@ fn save_results(args: &VerifyArgs, outcomes: &[Outcome], mode: Mode) -> Result<(
     };
     save(&args.json, &|| format!("{:#}\n", report::json(outcomes, mode, &version())))?;
     save(&args.html, &|| report::html(outcomes, &version()))?;
-    save(&args.markdown, &|| report::markdown(outcomes, mode, &version()))
+    save(&args.markdown, &|| report::markdown(outcomes, groups(), mode, &version()))
 }
 
 /// The outcomes in the file of `--json`; none where there is no such file.

@@ -1,11 +1,11 @@
 //! The cases by subject, one file per family.
 
 mod elastic;
-mod liquid;
-mod rigid;
-mod soft;
+pub(crate) mod liquid;
+pub(crate) mod rigid;
+pub(crate) mod soft;
 mod solver;
-mod wetting;
+pub(crate) mod wetting;
 
 use crate::{Case, Group};
 use std::sync::LazyLock;

@@ -1,5 +1,6 @@
 //! `meniscus bench`: run times by part.
 
+mod precision;
 mod roofline;
 mod step;
 mod table1;
@@ -10,7 +11,8 @@ use crate::failure::{Failure, Result, USAGE};
 use meniscus_scene::builtin;
 use meniscus_scene::estimate::memory;
 use meniscus_scene::file::{LoadOptions, Scene};
-use meniscus_validation::pressure_bench::{self, PressureBench, PressureProblem};
+use meniscus_validation::bench::pressure::{self, PressureBench, PressureProblem};
+use precision::precision;
 use roofline::Machine;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -20,14 +22,14 @@ use table1::table1;
 
 /// Runs the requested benchmarks.
 pub fn bench(args: &BenchArgs) -> Result {
-    let known = ["pressure", "step", "table1"];
+    let known = ["pressure", "step", "table1", "precision"];
     if let Some(name) = args.names.iter().find(|name| !known.contains(&name.as_str())) {
         let help = format!("available benchmarks: {}", known.join(", "));
         return Err(Failure::new(USAGE, format!("there is no benchmark `{name}`")).help(help));
     }
-    if args.markdown && args.names != ["table1"] {
-        let help = "use `meniscus bench table1 --markdown`";
-        return Err(Failure::new(USAGE, "--markdown prints the table of `table1` alone").help(help));
+    if args.markdown && args.names != ["table1"] && args.names != ["precision"] {
+        let help = "use `meniscus bench table1 --markdown` or `meniscus bench precision --markdown`";
+        return Err(Failure::new(USAGE, "--markdown prints the table of one of these benchmarks").help(help));
     }
     let times_steps = args.names.is_empty() || args.names.iter().any(|name| name == "step");
     if !times_steps && (!args.scene.is_empty() || args.steps.is_some()) {
@@ -45,14 +47,17 @@ fn measure(args: &BenchArgs) -> Result {
     let mut results =
         json!({ "version": env!("CARGO_PKG_VERSION"), "threads": rayon::current_num_threads() });
     if wanted("pressure") {
-        results["pressure"] = pressure(args.quick)?;
+        results["pressure"] = pressure_solves(args.quick)?;
     }
     if wanted("step") {
         results["step"] = if args.roofline { rooflines(args)? } else { steps(args, None)? };
     }
-    // It takes long, so it runs only on request.
+    // These take long, so they run only on request.
     if args.names.iter().any(|n| n == "table1") {
         results["table1"] = table1(args.quick, args.markdown)?;
+    }
+    if args.names.iter().any(|n| n == "precision") {
+        results["precision"] = precision(args.quick, args.markdown)?;
     }
     if let Some(path) = &args.json {
         save(path, &format!("{results:#}\n"))?;
@@ -60,14 +65,14 @@ fn measure(args: &BenchArgs) -> Result {
     Ok(0)
 }
 
-fn pressure(quick: bool) -> Result<Value> {
+fn pressure_solves(quick: bool) -> Result<Value> {
     let n = if quick { 32 } else { 192 };
     print(
         "pressure    n  unknowns   setup s   solve s  iterations  residual   Jacobi s  iterations   peak MB\n",
     )?;
     let mut rows = Vec::new();
     for problem in [PressureProblem::Drop, PressureProblem::Tank] {
-        let row = pressure_bench::run(problem, n, 1e-5, true)
+        let row = pressure::run(problem, n, 1e-5, true)
             .map_err(|e| Failure::new(5, format!("the pressure solve failed: {e}")))?;
         print(&pressure_row(&row))?;
         rows.push(row);

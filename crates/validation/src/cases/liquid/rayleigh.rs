@@ -91,6 +91,13 @@ where
     Ok(OscillationResult { frequency, decay, loss: 1.0 - (-decay * TAU / omega).exp(), growth, history })
 }
 
+/// The frequency of mode 2 of a drop of 12 cells per radius in 3D over Rayleigh's, less one, with steps of a multiple of the explicit limit.
+pub(crate) fn frequency_error(step: f64) -> Result<f64, StepError> {
+    let periods = 1.0 + 0.25 * f64::min(step, 4.0);
+    let tone = measure_oscillation::<3>(12, 2, AMPLITUDE, step, periods, 0.0)?;
+    Ok(tone.frequency / rayleigh_frequency::<3>(2) - 1.0)
+}
+
 fn modes<const D: usize>(name: &str, mode: Mode) -> Result<Vec<Check>, StepError>
 where
     Simulation<D>: Compiled<D>,

@@ -2,7 +2,7 @@
 
 use crate::cases::wetting::sessile::sessile_model;
 use crate::measure::{bars, checks_or_failure, surface_points};
-use crate::setup::{in_flight, run_to};
+use crate::setup::{StepBounds, in_flight, run_to};
 use crate::{Case, Check};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
@@ -28,7 +28,7 @@ const CONTACT_TIME: f64 = 2.6;
 fn bounces() -> Result<Vec<Check>, StepError> {
     let mut checks = Vec::new();
     for (weber, spreads) in [(1.099, false), (6.868, true), (27.47, true)] {
-        let bounce = bounce(16, weber)?;
+        let bounce = bounce(16, weber, StepBounds::default())?;
         let what = |text: &str| format!("{text}, We = {weber}");
         let touched = bounce.contact_time;
         checks.push(Check::relative("bounce", what("contact time"), touched, CONTACT_TIME, bars(0.15, 0.08)));
@@ -41,14 +41,14 @@ fn bounces() -> Result<Vec<Check>, StepError> {
 }
 
 /// Result of a bounce.
-struct Bounce {
-    /// Contact time with the wall.
-    contact_time: f64,
+pub(crate) struct Bounce {
+    /// Contact time with the wall, √(ρR³/γ).
+    pub(crate) contact_time: f64,
     /// Largest diameter, over the drop's.
-    max_spread: f64,
+    pub(crate) max_spread: f64,
 }
 
-fn bounce(cells: usize, weber: f64) -> Result<Bounce, StepError> {
+pub(crate) fn bounce(cells: usize, weber: f64, bounds: StepBounds) -> Result<Bounce, StepError> {
     let dx = 1.0 / cells as f64;
     let half = (1.3 * weber.sqrt().sqrt()).max(1.7);
     let size = |length: f64| (length * cells as f64).ceil() as usize;
@@ -59,6 +59,7 @@ fn bounce(cells: usize, weber: f64) -> Result<Bounce, StepError> {
     wall.young_cosine = -1.0;
     let mut model = sessile_model(grid, wall);
     model.kinematic_viscosity = 0.0037;
+    model.numerics = bounds.into();
     let center = point + Vector::<3>::z() * 1.2;
     let ball = |x: &Vector<3>| (x - center).norm() - 1.0;
     let velocity = Vector::<3>::z() * -(0.5 * weber).sqrt();

@@ -1,12 +1,12 @@
 //! A drop at rest on a deformable plate that its weight bends, with contact-line friction.
 
 use crate::measure::{bars, checks_or_failure, line_tracker};
-use crate::setup::{at_rest, block, run_to, unit_model};
+use crate::setup::{StepBounds, at_rest, block, run_to, unit_model};
 use crate::soft::SoftMaterial;
 use crate::{Case, Check, Mode};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_sim::{Model, Numerics, Simulation, StepError, Wall};
+use meniscus_sim::{Model, Simulation, StepError, Wall};
 
 /// The case.
 pub const CASE: Case = Case {
@@ -35,7 +35,14 @@ fn run(mode: Mode) -> Result<Vec<Check>, StepError> {
 }
 
 fn check(step: f64) -> Result<Check, StepError> {
-    let mut sim = start(step)?;
+    let angle = angle(StepBounds { capillary_step: step, ..StepBounds::default() })?;
+    let text = format!("angle with steps of {step} times the explicit limit");
+    Ok(Check::absolute(NAME, text, angle, 90.0, bars(1.5, 0.75)).in_unit("°"))
+}
+
+/// Mean contact angle at rest, degrees.
+pub(crate) fn angle(bounds: StepBounds) -> Result<f64, StepError> {
+    let mut sim = start(bounds)?;
     let tracker = line_tracker(&sim);
     run_to(&mut sim, 0.5, |_, _| ())?;
     let (mut sum, mut count) = (0.0, 0.0);
@@ -43,11 +50,10 @@ fn check(step: f64) -> Result<Check, StepError> {
         sum += tracker.extract(sim).angle_statistics(None).map_or(f64::NAN, |a| a.0);
         count += 1.0;
     })?;
-    let text = format!("angle with steps of {step} times the explicit limit");
-    Ok(Check::absolute(NAME, text, sum / count, 90.0, bars(1.5, 0.75)).in_unit("°"))
+    Ok(sum / count)
 }
 
-fn start(step: f64) -> Result<Simulation<2>, StepError> {
+fn start(bounds: StepBounds) -> Result<Simulation<2>, StepError> {
     let grid = Grid::<2>::new([96, 64], DX);
     let center = Vector::<2>::new(48.0 * DX, 21.0 * DX);
     let half = Vector::<2>::new(0.5 * LENGTH, 0.5 * THICKNESS);
@@ -64,7 +70,7 @@ fn start(step: f64) -> Result<Simulation<2>, StepError> {
         surface_tension: 0.1,
         gravity: Vector::<2>::new(0.0, -9.81),
         solids: vec![solid],
-        numerics: Numerics { capillary_step: step, ..Numerics::default() },
+        numerics: bounds.into(),
         ..unit_model(grid, [[Wall::Slip; 2]; 2])
     };
     let middle = center + Vector::<2>::new(0.0, half[1] + RADIUS);

@@ -1,0 +1,4 @@
+//! Problems of `meniscus bench`.
+
+pub mod precision;
+pub mod pressure;
