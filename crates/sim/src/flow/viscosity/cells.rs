@@ -19,15 +19,6 @@ pub struct CellList<const D: usize> {
     pub closed: [[bool; 2]; D],
 }
 
-/// Weights of consecutive places along an axis.
-#[derive(Clone, Copy)]
-pub struct Taps {
-    /// Coordinate of the first place.
-    pub first: isize,
-    /// The weights.
-    pub weights: &'static [f32],
-}
-
 /// The unknown cells of a state: liquid, nearby air, and those beyond open upper sides.
 pub struct UnknownCells<const D: usize> {
     /// The list.
@@ -81,34 +72,45 @@ impl<const D: usize> CellList<D> {
         (at == 0 && self.closed[a][0]) || (at + 1 == self.lattice.extent[a] && self.closed[a][1])
     }
 
-    /// Calls `f` with the slots and weights of the listed cells in a box of taps.
-    #[inline]
-    pub fn for_each_tap(&self, taps: &[Taps; D], mut f: impl FnMut(usize, f32)) {
-        let extent = self.lattice.extent;
-        let clipped: [(usize, &[f32]); D] = std::array::from_fn(|a| {
-            let Taps { first, weights } = taps[a];
-            let skip = first.min(0).unsigned_abs().min(weights.len());
-            let first = (first.max(0)) as usize;
-            (first, &weights[skip..][..(weights.len() - skip).min(extent[a].saturating_sub(first))])
-        });
-        let rows: usize = clipped[1..].iter().map(|(_, weights)| weights.len()).product();
-        for row in 0..rows {
-            let (mut rest, mut weight, mut at) = (row, 1.0, [clipped[0].0; D]);
-            for a in 1..D {
-                let (first, weights) = clipped[a];
-                (at[a], weight) = (first + rest % weights.len(), weight * weights[rest % weights.len()]);
-                rest /= weights.len();
-            }
-            let along = clipped[0].1;
-            if along.is_empty() {
-                continue;
-            }
-            let slots = &self.slots[self.lattice.index(at)..][..along.len()];
-            for (slot, w) in slots.iter().zip(along).filter(|(slot, _)| **slot != 0) {
-                f(*slot as usize, weight * w);
+    /// Calls `f` with the number and the slot of each place of a cube of `side` places, the first axis fastest.
+    #[inline(always)]
+    pub fn for_each_slot(&self, first: [isize; D], side: usize, mut f: impl FnMut(usize, usize)) {
+        let inside = |a: usize, at: isize| at >= 0 && at < self.lattice.extent[a] as isize;
+        let is_inside = (0..D).all(|a| inside(a, first[a]) && inside(a, first[a] + side as isize - 1));
+        let across = if D == 3 { [side, side] } else { [side, 1] };
+        let mut number = 0;
+        for k in 0..across[1] {
+            for j in 0..across[0] {
+                let mut at = first;
+                at[1] += j as isize;
+                at[D - 1] += if D == 3 { k as isize } else { 0 };
+                if is_inside {
+                    let row = self.lattice.index(at.map(|x| x as usize));
+                    self.slots[row..][..side]
+                        .iter()
+                        .enumerate()
+                        .for_each(|(i, s)| f(number + i, *s as usize));
+                } else {
+                    for i in 0..side {
+                        let mut at = at;
+                        at[0] += i as isize;
+                        let exists = (0..D).all(|a| inside(a, at[a]));
+                        let slot =
+                            if exists { self.slots[self.lattice.index(at.map(|x| x as usize))] } else { 0 };
+                        f(number + i, slot as usize);
+                    }
+                }
+                number += side;
             }
         }
     }
+}
+
+/// The products of weights along the axes, in the order of [`CellList::for_each_slot`].
+pub fn tensor_product<const D: usize>(weights: [&[f32]; D]) -> Vec<f32> {
+    weights.iter().fold(vec![1.0], |products, axis| {
+        axis.iter().flat_map(|weight| products.iter().map(move |product| product * weight)).collect()
+    })
 }
 
 impl<const D: usize> UnknownCells<D> {

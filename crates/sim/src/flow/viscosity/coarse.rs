@@ -2,20 +2,21 @@
 //!
 //! A coarse system has the form of the finest one, with `ν h/Δ²` of its own spacing. The liquid fraction of a coarse control volume is the
 //! mean over the finer ones within, those on its boundary by the part that lies inside; so is the mass of a coarse face. Rigid motions of a
-//! coarse grid dissipate nothing, as those of the finest. Grids coarsen until the mass outweighs the viscosity.
+//! coarse grid dissipate nothing, as those of the finest. Grids coarsen until the mass keeps the eigenvalues away from zero.
 
-use super::cells::{CellList, Taps};
+use super::cells::{CellList, tensor_product};
 use super::operator::{CELLS_PER_TASK, Cell, ViscousOperator};
 use meniscus_numerics::rotation_planes;
 use rayon::prelude::*;
 
-/// Largest `ν h/Δ²` of the coarsest grid, and of systems that need none. Below, conjugate gradients with the diagonal take less time.
-pub const COARSEST_STIFFNESS: f64 = 0.5;
+/// Largest `ν h/Δ²` of the coarsest grid, and of systems that need none: there polynomials alone take as long.
+pub const COARSEST_STIFFNESS: f64 = 3.0;
 
-/// Weights of the finer control volumes within one, along the axes for which one lies in its middle and two on its boundary.
+/// Weights of the finer control volumes of which three lie in the cube around a coarse one, along the axes for which one of them lies in its
+/// middle and two on its boundary.
 const CENTERED: &[f32] = &[0.25, 0.5, 0.25];
-/// The same along the axes for which there are two.
-const PAIRED: &[f32] = &[0.5, 0.5];
+/// The same along the axes for which two lie in it.
+const PAIRED: &[f32] = &[0.0, 0.5, 0.5];
 
 /// The operator of listed cells.
 pub struct ViscousSystem<const D: usize> {
@@ -35,13 +36,23 @@ pub fn add_coarse_systems<const D: usize>(systems: &mut Vec<ViscousSystem<D>>) {
     }
 }
 
+/// Adds up the coefficients of a system within coarse control volumes.
+struct Coarsening<'a, const D: usize> {
+    fine: &'a ViscousSystem<D>,
+    cells: &'a CellList<D>,
+    /// Shares of the finer control volumes in those around the cell, around its lower edge in each plane, around its lower faces.
+    around_cell: Vec<f32>,
+    around_edges: [Vec<f32>; D],
+    around_faces: [Vec<f32>; D],
+}
+
 impl<const D: usize> ViscousSystem<D> {
     fn coarsened(&self) -> Self {
-        let stiffness = self.stiffness / 4.0;
-        let cells = self.cells.coarsened();
+        let (stiffness, cells) = (self.stiffness / 4.0, self.cells.coarsened());
+        let coarsening = Coarsening::new(self, &cells);
         let of_cells = (0..cells.count()).into_par_iter().with_min_len(CELLS_PER_TASK);
-        let is_unknown: Vec<[bool; D]> = of_cells.clone().map(|i| self.unknown_faces(&cells, i)).collect();
-        let coefficients = of_cells.clone().map(|i| self.coarse_cell(&cells, &is_unknown, i, stiffness));
+        let is_unknown: Vec<[bool; D]> = of_cells.clone().map(|i| coarsening.unknown_faces(i)).collect();
+        let coefficients = of_cells.clone().map(|i| coarsening.cell(&is_unknown, i, stiffness));
         let coefficients: Vec<Cell<D>> = coefficients.collect();
         let full: Vec<bool> = coefficients.iter().map(|cell| cell.is_full(stiffness)).collect();
         let beside_full = |cell: &Cell<D>| cell.next.iter().flatten().all(|n| full[*n as usize]);
@@ -49,44 +60,62 @@ impl<const D: usize> ViscousSystem<D> {
         let operator = ViscousOperator::new(&deep, |i| coefficients[i].next, |i| coefficients[i], stiffness);
         Self { cells, operator, stiffness }
     }
+}
+
+impl<'a, const D: usize> Coarsening<'a, D> {
+    fn new(fine: &'a ViscousSystem<D>, cells: &'a CellList<D>) -> Self {
+        let around = |centered: &[usize]| {
+            let along = |a: usize| if centered.contains(&a) { CENTERED } else { PAIRED };
+            tensor_product(std::array::from_fn::<_, D, _>(along))
+        };
+        let mut around_edges = std::array::from_fn(|_| Vec::new());
+        let planes = rotation_planes::<D>().iter().zip(&mut around_edges);
+        planes.for_each(|(&(p, q, _), edges)| *edges = around(&[p, q]));
+        let around_faces = std::array::from_fn(|a| around(&[a]));
+        Self { fine, cells, around_cell: around(&[]), around_edges, around_faces }
+    }
+
+    /// Calls `f` with the finer cells in a control volume of the coarse cell at `at`, and their shares.
+    fn for_each_within(&self, at: [usize; D], shares: &[f32], mut f: impl FnMut(&Cell<D>, f64)) {
+        self.fine.cells.for_each_slot(at.map(|x| 2 * x as isize - 1), 3, |k, slot| {
+            if shares[k] > 0.0 && slot != 0 {
+                f(self.fine.operator.cell(slot), f64::from(shares[k]));
+            }
+        });
+    }
+
+    fn mean(&self, at: [usize; D], shares: &[f32], value: impl Fn(&Cell<D>) -> f64) -> f64 {
+        let mut sum = 0.0;
+        self.for_each_within(at, shares, |cell, share| sum += share * value(cell));
+        sum
+    }
 
     /// Whether the lower faces of a coarse cell are unknowns: one of the faces that they correct is.
-    fn unknown_faces(&self, coarse: &CellList<D>, i: usize) -> [bool; D] {
-        let at = coarse.coordinates(i);
+    fn unknown_faces(&self, i: usize) -> [bool; D] {
+        let at = self.cells.coordinates(i);
         std::array::from_fn(|a| {
             let mut any = false;
-            let is_unknown = |slot: usize| self.operator.cell(slot).is_unknown[a];
-            self.cells.for_each_tap(&control_volume(at, &[a]), |slot, _| any |= is_unknown(slot));
-            any && i > 0 && !coarse.is_on_closed_side(a, at[a])
+            self.for_each_within(at, &self.around_faces[a], |cell, _| any |= cell.is_unknown[a]);
+            any && i > 0 && !self.cells.is_on_closed_side(a, at[a])
         })
     }
 
     /// The coefficients of a coarse cell.
-    fn coarse_cell(
-        &self,
-        coarse: &CellList<D>,
-        is_unknown: &[[bool; D]],
-        i: usize,
-        stiffness: f64,
-    ) -> Cell<D> {
+    fn cell(&self, is_unknown: &[[bool; D]], i: usize, stiffness: f64) -> Cell<D> {
         if i == 0 {
             return Cell::empty();
         }
-        let at = coarse.coordinates(i);
-        let mean = |centered: &[usize], value: &dyn Fn(&Cell<D>) -> f64| {
-            let mut sum = 0.0;
-            self.cells.for_each_tap(&control_volume(at, centered), |slot, w| {
-                sum += f64::from(w) * value(self.operator.cell(slot));
-            });
-            sum
-        };
-        let next = coarse.neighbours(coarse.list[i] as usize, at);
+        let at = self.cells.coordinates(i);
+        let next = self.cells.neighbours(self.cells.list[i] as usize, at);
         // A term needs the values of all its faces; on closed sides they are zero.
         let has_value = |slot: usize, a: usize, at: usize| {
-            (slot != 0 && is_unknown[slot][a]) || coarse.is_on_closed_side(a, at)
+            (slot != 0 && is_unknown[slot][a]) || self.cells.is_on_closed_side(a, at)
         };
         let along = |a: usize| has_value(i, a, at[a]) && has_value(next[a][1] as usize, a, at[a] + 1);
-        let normal = if (0..D).all(along) { mean(&[], &|c| c.normal / (2.0 * self.stiffness)) } else { 0.0 };
+        let mut normal = 0.0;
+        if (0..D).all(along) {
+            normal = self.mean(at, &self.around_cell, |c| c.normal / (2.0 * self.fine.stiffness));
+        }
         let across = |a: usize, b: usize| {
             let below = next[b][0] as usize;
             below != 0 && has_value(i, a, at[a]) && has_value(below, a, at[a])
@@ -94,23 +123,13 @@ impl<const D: usize> ViscousSystem<D> {
         let mut shear = [0.0; D];
         for (k, &(p, q, _)) in rotation_planes::<D>().iter().enumerate() {
             if across(p, q) && across(q, p) {
-                shear[k] = stiffness * mean(&[p, q], &|c| c.shear[k] / self.stiffness);
+                shear[k] =
+                    stiffness * self.mean(at, &self.around_edges[k], |c| c.shear[k] / self.fine.stiffness);
             }
         }
-        let mass = |a: usize| if is_unknown[i][a] { mean(&[a], &|c| c.face_mass[a]) } else { 0.0 };
-        let face_mass = std::array::from_fn(mass);
-        Cell { next, normal: 2.0 * stiffness * normal, shear, face_mass, is_unknown: is_unknown[i] }
+        let is_unknown = is_unknown[i];
+        let mass = |a: usize| self.mean(at, &self.around_faces[a], |c| c.face_mass[a]);
+        let face_mass = std::array::from_fn(|a| if is_unknown[a] { mass(a) } else { 0.0 });
+        Cell { next, normal: 2.0 * stiffness * normal, shear, face_mass, is_unknown }
     }
-}
-
-/// The finer control volumes within the one at `at` that is centred on a grid plane normal to the axes `centered`.
-fn control_volume<const D: usize>(at: [usize; D], centered: &[usize]) -> [Taps; D] {
-    std::array::from_fn(|a| {
-        let first = 2 * at[a] as isize;
-        if centered.contains(&a) {
-            Taps { first: first - 1, weights: CENTERED }
-        } else {
-            Taps { first, weights: PAIRED }
-        }
-    })
 }

@@ -24,14 +24,14 @@ mod operator;
 mod tests;
 use crate::model::Model;
 use cells::UnknownCells;
-use coarse::{COARSEST_STIFFNESS, ViscousSystem, add_coarse_systems};
+use coarse::{ViscousSystem, add_coarse_systems};
 use coefficients::Builder;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Lattice, Runs, Segment};
 use meniscus_numerics::linalg::{
     Jacobi, SolveError, SolveLimits, SolveReport, conjugate_gradient_in_single_precision,
 };
 use meniscus_numerics::par;
-use multigrid::Multigrid;
+use multigrid::{Multigrid, is_mild};
 use operator::ViscousOperator;
 
 /// Relative residual of the solve. 1e-8 takes twice the iterations and changes the decay of a drop by 0.03 %.
@@ -77,13 +77,13 @@ impl<const D: usize> Diffusion<'_, D> {
         let b = operator.times_face_mass(&x);
         let limits = SolveLimits { tolerance, max_iterations: MAX_ITERATIONS };
         let mut systems = vec![ViscousSystem { cells: places.cells, operator, stiffness }];
-        let report = if stiffness > COARSEST_STIFFNESS {
+        let report = if is_mild(stiffness) {
+            let jacobi = Jacobi::new(&systems[0].operator.diagonal());
+            conjugate_gradient_in_single_precision(&systems[0].operator, &jacobi, &b, &mut x, limits)?
+        } else {
             add_coarse_systems(&mut systems);
             let multigrid = Multigrid::new(&systems);
             conjugate_gradient_in_single_precision(&systems[0].operator, &multigrid, &b, &mut x, limits)?
-        } else {
-            let jacobi = Jacobi::new(&systems[0].operator.diagonal());
-            conjugate_gradient_in_single_precision(&systems[0].operator, &jacobi, &b, &mut x, limits)?
         };
         let cells = &systems[0].cells;
         for a in 0..D {

@@ -1,20 +1,23 @@
-//! Multigrid: the preconditioner of the viscous step where it is stiff.
+//! Preconditioners of the viscous step where it is stiff: Chebyshev polynomials and multigrid.
 //!
-//! A W-cycle over systems of the same form on grids of twice the spacing ([`super::coarse`]). Chebyshev polynomials smooth before and after
-//! the correction, so that the cycle is a symmetric function of the residual. The correction of a face is linear in the values of the coarse
-//! faces around it, and the residual of a coarse face is its transpose. Coarse faces without a value drop out of the mean, but for those on
-//! closed sides, which are zero.
+//! The eigenvalues of the operator divided by its diagonal lie between `1/(1 + 8 ν h/Δ²)` and 4. Up to `ν h/Δ²` of
+//! [`super::coarse::COARSEST_STIFFNESS`] a Chebyshev polynomial for this range, of a degree that keeps the iterations of conjugate gradients at about ten,
+//! costs no more than the diagonal alone. Beyond, a W-cycle over systems of the same form on grids of twice the spacing
+//! ([`super::coarse`]) costs less: polynomials smooth before and after the correction, so that the cycle is a symmetric function of the
+//! residual. The correction of a face is linear in the values of the coarse faces around it, and the residual of a coarse face is its
+//! transpose. Coarse faces without a value drop out of the mean, but for those on closed sides, which are zero.
 //!
-//! The iterations hardly depend on `ν h/Δ²` and on the size of the liquid: 7 to 12 for 10 to 1000, where the diagonal takes 85 to 700
-//! (experiment E42).
+//! The iterations hardly depend on `ν h/Δ²` and on the size of the liquid (experiment E42).
 //!
 //! Limit: a liquid that nothing holds turns freely on the finest grid, but not on coarse ones, where its boundary is stepped. Where `ν h/Δ²`
 //! exceeds the square of its radius in cells, these motions take iterations of their own.
 
-use super::cells::Taps;
-use super::coarse::{COARSEST_STIFFNESS, ViscousSystem};
+use super::cells::tensor_product;
+use super::coarse::ViscousSystem;
 use super::operator::CELLS_PER_TASK;
+use meniscus_numerics::grid::Segment;
 use meniscus_numerics::linalg::{Chebyshev, ChebyshevWork, Jacobi, Preconditioner, dot};
+use meniscus_numerics::par;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
@@ -25,28 +28,36 @@ const LARGEST_EIGENVALUE: f64 = 4.0;
 const LOWEST_SMOOTHED_EIGENVALUE: f64 = 0.5;
 /// Degree of the smoother. Degree 3 takes as long, with a seventh more iterations.
 const SMOOTHING_DEGREE: usize = 4;
-/// Degree on the coarsest level, for a tenth of the error.
-const COARSEST_DEGREE: usize = 8;
+/// Degree where one grid is enough over the square root of `1 + 8 ν h/Δ²`, for about ten iterations.
+const RELATIVE_DEGREE: f64 = 1.4;
+/// Degree on the coarsest of several grids over the root of the ratio of the largest eigenvalue within liquid, 2, to the lowest one, for
+/// an error of `1/cosh 3`, a tenth.
+const COARSEST_RELATIVE_DEGREE: f64 = 3.0;
 /// Coarse faces whose diagonal is below this share of that within liquid take no part in the correction: they resist less than the faces
 /// that they would move. From 0.02 to 0.1 the iterations stay the same.
 const MIN_COVERAGE: f64 = 0.05;
 
-/// Factors of the correction from the coarse faces along the axis of a face, for even and odd faces.
-const NORMAL: [&[f32]; 2] = [&[1.0], &[0.5, 0.5]];
+/// Weights, in the correction of a face, of the two coarse faces around it along its axis, for even and odd faces.
+const NORMAL: [&[f32]; 2] = [&[0.0, 1.0], &[0.5, 0.5]];
 /// The same across the axis, for even and odd cells.
 const ACROSS: [&[f32]; 2] = [&[0.25, 0.75], &[0.75, 0.25]];
-/// Their transposes.
-const NORMAL_TRANSPOSE: &[f32] = &[0.5, 1.0, 0.5];
+/// The transposes: weights of the four faces from one below the coarse face on.
+const NORMAL_TRANSPOSE: &[f32] = &[0.5, 1.0, 0.5, 0.0];
 const ACROSS_TRANSPOSE: &[f32] = &[0.25, 0.75, 0.75, 0.25];
 
 const SMOOTHER: Chebyshev =
     Chebyshev { degree: SMOOTHING_DEGREE, lowest: LOWEST_SMOOTHED_EIGENVALUE, largest: LARGEST_EIGENVALUE };
-/// There the mass keeps the eigenvalues from zero.
-const COARSEST_SMOOTHER: Chebyshev = Chebyshev {
-    degree: COARSEST_DEGREE,
-    lowest: 1.0 / (1.0 + 2.0 * LARGEST_EIGENVALUE * COARSEST_STIFFNESS),
-    largest: LARGEST_EIGENVALUE,
-};
+/// A polynomial for all eigenvalues of a system; `relative_degree` is that over the square root of `1 + 8 ν h/Δ²`.
+fn polynomial(stiffness: f64, relative_degree: f64) -> Chebyshev {
+    let ratio = 1.0 + 2.0 * LARGEST_EIGENVALUE * stiffness;
+    let degree = (relative_degree * ratio.sqrt()) as usize;
+    Chebyshev { degree, lowest: 1.0 / ratio, largest: LARGEST_EIGENVALUE }
+}
+
+/// Whether the diagonal alone is enough: the polynomial would be of degree one.
+pub fn is_mild(stiffness: f64) -> bool {
+    polynomial(stiffness, RELATIVE_DEGREE).degree == 1
+}
 
 /// The cycle.
 pub struct Multigrid<'a, const D: usize> {
@@ -65,6 +76,7 @@ enum Iterate {
 /// A level.
 struct Level<'a, const D: usize> {
     system: &'a ViscousSystem<D>,
+    smoother: Chebyshev,
     jacobi: Jacobi<f32>,
     /// Whether the unknowns take part in the correction of the finer level.
     corrects: Vec<bool>,
@@ -78,7 +90,13 @@ struct Level<'a, const D: usize> {
 impl<'a, const D: usize> Multigrid<'a, D> {
     /// The cycle over these systems, from the finest to the coarsest.
     pub fn new(systems: &'a [ViscousSystem<D>]) -> Self {
-        let mut levels: Vec<_> = systems.iter().map(Level::new).collect();
+        let smoother = |depth: usize, stiffness: f64| match systems.len() {
+            1 => polynomial(stiffness, RELATIVE_DEGREE),
+            levels if depth + 1 == levels => polynomial(stiffness, COARSEST_RELATIVE_DEGREE),
+            _ => SMOOTHER,
+        };
+        let levels = systems.iter().enumerate().map(|(k, s)| Level::new(s, smoother(k, s.stiffness)));
+        let mut levels: Vec<_> = levels.collect();
         for fine in 1..levels.len() {
             levels[fine - 1].scales = levels[fine - 1].inverse_weights(&levels[fine]);
         }
@@ -87,20 +105,21 @@ impl<'a, const D: usize> Multigrid<'a, D> {
 
     /// Improves an iterate, or zero, by one cycle.
     fn cycle(&self, depth: usize, from: Iterate, b: &[f32], x: &mut [f32]) {
-        let Level { system: ViscousSystem { operator, .. }, jacobi, work, .. } = &self.levels[depth];
+        let Level { system: ViscousSystem { operator, .. }, smoother, jacobi, work, .. } =
+            &self.levels[depth];
         let work = &mut *work.lock().unwrap_or_else(PoisonError::into_inner);
-        let coarse = self.levels.get(depth + 1);
-        let smoother = if coarse.is_some() { SMOOTHER } else { COARSEST_SMOOTHER };
         match from {
             Iterate::Zero => smoother.from_zero(operator, jacobi, b, x, work),
             Iterate::Given => smoother.improve(operator, jacobi, b, x, work),
         }
-        let Some(coarse) = coarse else { return };
+        let Some(coarse) = self.levels.get(depth + 1) else { return };
         let residual = Chebyshev::residual(operator, work);
         let [coarse_b, coarse_x] = &mut *coarse.vectors.lock().unwrap_or_else(PoisonError::into_inner);
         self.levels[depth].restrict(coarse, residual, coarse_b);
         self.cycle(depth + 1, Iterate::Zero, coarse_b, coarse_x);
-        self.cycle(depth + 1, Iterate::Given, coarse_b, coarse_x);
+        if depth + 2 < self.levels.len() {
+            self.cycle(depth + 1, Iterate::Given, coarse_b, coarse_x);
+        }
         self.levels[depth].correct(coarse, coarse_x, x);
         smoother.improve(operator, jacobi, b, x, work);
     }
@@ -114,13 +133,14 @@ impl<const D: usize> Preconditioner<f32> for Multigrid<'_, D> {
 }
 
 impl<'a, const D: usize> Level<'a, D> {
-    fn new(system: &'a ViscousSystem<D>) -> Self {
+    fn new(system: &'a ViscousSystem<D>, smoother: Chebyshev) -> Self {
         let diagonal = system.operator.diagonal();
         let full = 1.0 + system.stiffness * (4.0 + 2.0 * (D as f64 - 1.0));
         let corrects = diagonal.iter().map(|d| *d > MIN_COVERAGE * full).collect();
         let vector = || vec![0.0; diagonal.len()];
         Self {
             system,
+            smoother,
             jacobi: Jacobi::new(&diagonal),
             corrects,
             scales: Vec::new(),
@@ -131,53 +151,69 @@ impl<'a, const D: usize> Level<'a, D> {
 
     /// The inverse sums of the weights of the coarse values that each unknown reads.
     fn inverse_weights(&self, coarse: &Self) -> Vec<f32> {
-        let ViscousSystem { cells, operator, .. } = self.system;
-        let of = |i: usize, a: usize| {
-            if i == 0 || !operator.cell(i).is_unknown[a] {
-                return 0.0;
+        let (cells, weights) = (&self.system.cells, correction_weights::<D>());
+        let scale = |i: usize| -> [f32; D] {
+            let (at, mut sums) = (cells.coordinates(i), [0.0; D]);
+            let (first, parity) = coarse_corner(at);
+            for (a, sum) in sums.iter_mut().enumerate() {
+                // Values on closed sides are zero.
+                let zero = |k: &usize| {
+                    let at = first[a] + *k as isize;
+                    at >= 0 && coarse.system.cells.is_on_closed_side(a, at as usize)
+                };
+                *sum = (0..2).filter(zero).map(|k| NORMAL[at[a] % 2][k]).sum();
             }
-            let taps = coarse_taps(cells.coordinates(i), a);
-            let along = taps[a].weights.iter().zip(taps[a].first as usize..);
-            let zero = along.filter(|(_, at)| coarse.system.cells.is_on_closed_side(a, *at));
-            let mut sum: f32 = zero.map(|(weight, _)| weight).sum();
-            let corrects = coarse.component(&coarse.corrects, a);
-            coarse.system.cells.for_each_tap(&taps, |slot, w| sum += if corrects[slot] { w } else { 0.0 });
-            if sum > 0.0 { 1.0 / sum } else { 0.0 }
+            coarse.system.cells.for_each_slot(first, 2, |k, slot| {
+                for (a, sum) in sums.iter_mut().enumerate() {
+                    let corrects = coarse.component(&coarse.corrects, a)[slot];
+                    *sum += if corrects { weights[parity][a][k] } else { 0.0 };
+                }
+            });
+            let is_unknown = self.system.operator.cell(i).is_unknown;
+            std::array::from_fn(|a| if is_unknown[a] && sums[a] > 0.0 { 1.0 / sums[a] } else { 0.0 })
         };
         let mut scales = vec![0.0; cells.count() * D];
-        map_components(&mut scales, cells.count(), |i, a, scale| *scale = of(i, a));
+        map_cells(&mut scales, cells.count(), |i, _| if i > 0 { scale(i) } else { [0.0; D] });
         scales
     }
 
     /// The right-hand side of the coarse system for a residual, which is changed.
     fn restrict(&self, coarse: &Self, residual: &mut [f32], b: &mut [f32]) {
         residual.par_iter_mut().zip(&self.scales).with_min_len(CELLS_PER_TASK).for_each(|(r, s)| *r *= s);
+        let fine: [&[f32]; D] = std::array::from_fn(|a| self.component(residual, a));
+        let weights: [Vec<f32>; D] = std::array::from_fn(|axis| {
+            let along = |a: usize| if a == axis { NORMAL_TRANSPOSE } else { ACROSS_TRANSPOSE };
+            tensor_product(std::array::from_fn::<_, D, _>(along))
+        });
         // A coarse cell has the volume of so many fine ones.
         let scale = 1.0 / (1 << D) as f32;
-        map_components(b, coarse.system.cells.count(), |i, a, b| {
-            *b = 0.0;
-            if i > 0 && coarse.component(&coarse.corrects, a)[i] {
-                let fine = self.component(residual, a);
-                let taps = fine_taps(coarse.system.cells.coordinates(i), a);
-                self.system.cells.for_each_tap(&taps, |slot, w| *b += scale * w * fine[slot]);
+        map_cells::<D>(b, coarse.system.cells.count(), |i, _| {
+            let mut sums = [0.0; D];
+            if i > 0 {
+                let first = coarse.system.cells.coordinates(i).map(|x| 2 * x as isize - 1);
+                self.system.cells.for_each_slot(first, 4, |k, slot| {
+                    (0..D).for_each(|a| sums[a] += weights[a][k] * fine[a][slot]);
+                });
             }
+            let corrects = |a: usize| coarse.component(&coarse.corrects, a)[i];
+            std::array::from_fn(|a| if corrects(a) { scale * sums[a] } else { 0.0 })
         });
     }
 
-    /// Adds the correction of the coarse system.
-    fn correct(&self, coarse: &Self, correction: &[f32], x: &mut [f32]) {
-        map_components(x, self.system.cells.count(), |i, a, x| {
-            let scale = self.component(&self.scales, a)[i];
-            if scale > 0.0 {
-                let (corrects, values) =
-                    (coarse.component(&coarse.corrects, a), coarse.component(correction, a));
-                let taps = coarse_taps(self.system.cells.coordinates(i), a);
-                let mut sum = 0.0;
-                coarse.system.cells.for_each_tap(&taps, |slot, w| {
-                    sum += if corrects[slot] { w * values[slot] } else { 0.0 };
-                });
-                *x += scale * sum;
-            }
+    /// Adds the correction of the coarse system, of which the values that take no part are cleared.
+    fn correct(&self, coarse: &Self, correction: &mut [f32], x: &mut [f32]) {
+        let corrects = correction.par_iter_mut().zip(&coarse.corrects).with_min_len(CELLS_PER_TASK);
+        corrects.filter(|(_, corrects)| !**corrects).for_each(|(value, _)| *value = 0.0);
+        let values: [&[f32]; D] = std::array::from_fn(|a| coarse.component(correction, a));
+        let scales: [&[f32]; D] = std::array::from_fn(|a| self.component(&self.scales, a));
+        let (cells, weights) = (&self.system.cells, correction_weights::<D>());
+        map_cells::<D>(x, cells.count(), |i, x| {
+            let mut sums = [0.0; D];
+            let (first, parity) = coarse_corner(cells.coordinates(i));
+            coarse.system.cells.for_each_slot(first, 2, |k, slot| {
+                (0..D).for_each(|a| sums[a] += weights[parity][a][k] * values[a][slot]);
+            });
+            std::array::from_fn(|a| x[a] + scales[a][i] * sums[a])
         });
     }
 
@@ -188,29 +224,33 @@ impl<'a, const D: usize> Level<'a, D> {
     }
 }
 
-/// Calls `f` in parallel with the number of a cell, a component, and its entry in the vector.
-fn map_components(vector: &mut [f32], count: usize, f: impl Fn(usize, usize, &mut f32) + Sync) {
-    for (a, component) in vector.chunks_mut(count).enumerate() {
-        component.par_iter_mut().enumerate().with_min_len(CELLS_PER_TASK).for_each(|(i, x)| f(i, a, x));
-    }
-}
-
-/// The coarse faces that correct a face, and their weights.
-fn coarse_taps<const D: usize>(at: [usize; D], axis: usize) -> [Taps; D] {
-    std::array::from_fn(|a| {
-        let (coarse, odd) = ((at[a] / 2) as isize, at[a] % 2);
-        let across = a != axis;
-        Taps {
-            first: if across && odd == 0 { coarse - 1 } else { coarse },
-            weights: if across { ACROSS[odd] } else { NORMAL[odd] },
+/// Replaces the entries of each cell by a function of its number and of the old ones.
+fn map_cells<const D: usize>(
+    vector: &mut [f32],
+    count: usize,
+    f: impl Fn(usize, [f32; D]) -> [f32; D] + Sync,
+) {
+    let task = |start| Segment { row: 0, start, end: (start + CELLS_PER_TASK).min(count) };
+    let tasks: Vec<Segment> = (0..count).step_by(CELLS_PER_TASK).map(task).collect();
+    par::map_component_segments(vector, count, &tasks, |_, s, mut parts: [&mut [f32]; D]| {
+        for k in 0..s.end - s.start {
+            let new = f(s.start + k, std::array::from_fn(|a| parts[a][k]));
+            (0..D).for_each(|a| parts[a][k] = new[a]);
         }
-    })
+    });
 }
 
-/// The faces that a coarse face corrects, and their weights.
-fn fine_taps<const D: usize>(at: [usize; D], axis: usize) -> [Taps; D] {
-    std::array::from_fn(|a| Taps {
-        first: 2 * at[a] as isize - 1,
-        weights: if a == axis { NORMAL_TRANSPOSE } else { ACROSS_TRANSPOSE },
-    })
+/// The lower coarse cell of those that a cell reads, and the number of its place among them.
+fn coarse_corner<const D: usize>(at: [usize; D]) -> ([isize; D], usize) {
+    let first = at.map(|x| (x / 2) as isize + (x % 2) as isize - 1);
+    (first, (0..D).map(|a| (at[a] % 2) << a).sum())
+}
+
+/// For each such number and component the weights of the coarse values.
+fn correction_weights<const D: usize>() -> Vec<[Vec<f32>; D]> {
+    let of = |parity: usize, axis: usize| {
+        let along = |a: usize| if a == axis { NORMAL[parity >> a & 1] } else { ACROSS[parity >> a & 1] };
+        tensor_product(std::array::from_fn::<_, D, _>(along))
+    };
+    (0..1 << D).map(|parity| std::array::from_fn(|axis| of(parity, axis))).collect()
 }

@@ -316,6 +316,9 @@ fn divergence<T: Real, const D: usize>(
     product
 }
 
+/// Cells of a deep stretch that go at once.
+const BLOCK: usize = 16;
+
 /// The operator in a deep stretch from the cell `start` on; returns the sum of its products with `u`.
 fn apply_deep<T: Real, const D: usize>(
     stiffness: f64,
@@ -325,31 +328,52 @@ fn apply_deep<T: Real, const D: usize>(
     v: [&mut [T]; D],
 ) -> f64 {
     let mut product = 0.0;
-    let [normal, stiffness] = [2.0 * stiffness, stiffness].map(T::from_f64);
+    let stiffness = T::from_f64(stiffness);
     for (a, v) in v.into_iter().enumerate() {
         let count = v.len();
-        let at = |component: usize, shift: isize| &u[component][start.wrapping_add_signed(shift)..][..count];
-        let (here, [low, up]) = (at(a, 0), shifts.next[a].map(|shift| at(a, shift)));
-        for i in 0..count {
-            v[i] = here[i] + normal * (here[i] - low[i]) - normal * (up[i] - here[i]);
-        }
-        for &(p, q, _) in rotation_planes::<D>().iter().filter(|(p, q, _)| a == *p || a == *q) {
-            let b = p + q - a;
-            let ([below, above], beside) = (shifts.next[b].map(|shift| at(a, shift)), at(b, 0));
-            let [left, over] = [shifts.next[a][0], shifts.next[b][1]].map(|shift| at(b, shift));
-            let corner = at(b, shifts.corner[a][b]);
-            // The shear rate of the values of `a` and `b` and of those of the cells below, in the order of [`strain_rates`].
-            let rate = |a_here: T, a_low: T, b_here: T, b_low: T| {
-                let sum =
-                    if a == p { a_here - a_low + b_here - b_low } else { b_here - b_low + a_here - a_low };
-                stiffness * sum
-            };
-            for i in 0..count {
-                let own = rate(here[i], below[i], beside[i], left[i]);
-                v[i] = v[i] + (own - rate(above[i], here[i], over[i], corner[i]));
+        // The last block overlaps the one before it, so that no cell goes alone.
+        for end in (BLOCK..count + BLOCK).step_by(BLOCK).map(|end| end.min(count)) {
+            let first = end.saturating_sub(BLOCK);
+            match v[first..end].as_chunks_mut::<BLOCK>() {
+                ([block], []) => deep_row(stiffness, shifts, a, start + first, u, block),
+                (_, few) => deep_row(stiffness, shifts, a, start + first, u, few),
             }
         }
-        product += dot_serial(here, v);
+        product += dot_serial(&u[a][start..][..count], v);
     }
     product
+}
+
+/// The row of component `a` of the operator in consecutive deep cells from the cell `start` on.
+#[inline(always)]
+fn deep_row<T: Real, const D: usize>(
+    stiffness: T,
+    shifts: &Shifts<D>,
+    a: usize,
+    start: usize,
+    u: &[&[T]; D],
+    v: &mut [T],
+) {
+    let count = v.len();
+    let at = |component: usize, shift: isize| &u[component][start.wrapping_add_signed(shift)..][..count];
+    let (here, [low, up]) = (at(a, 0), shifts.next[a].map(|shift| at(a, shift)));
+    let normal = stiffness + stiffness;
+    for i in 0..count {
+        v[i] = here[i] + normal * (here[i] - low[i]) - normal * (up[i] - here[i]);
+    }
+    for &(p, q, _) in rotation_planes::<D>().iter().filter(|(p, q, _)| a == *p || a == *q) {
+        let b = p + q - a;
+        let ([below, above], beside) = (shifts.next[b].map(|shift| at(a, shift)), at(b, 0));
+        let [left, over] = [shifts.next[a][0], shifts.next[b][1]].map(|shift| at(b, shift));
+        let corner = at(b, shifts.corner[a][b]);
+        // The shear rate of the values of `a` and `b` and of those of the cells below, in the order of [`strain_rates`].
+        let rate = |a_here: T, a_low: T, b_here: T, b_low: T| {
+            let sum = if a == p { a_here - a_low + b_here - b_low } else { b_here - b_low + a_here - a_low };
+            stiffness * sum
+        };
+        for i in 0..count {
+            let own = rate(here[i], below[i], beside[i], left[i]);
+            v[i] = v[i] + (own - rate(above[i], here[i], over[i], corner[i]));
+        }
+    }
 }
