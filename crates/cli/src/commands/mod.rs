@@ -11,6 +11,7 @@ pub mod verify;
 pub mod view;
 
 use crate::failure::{Failure, OUTPUT, Result};
+use meniscus_scene::output::atomic_file::write_atomically;
 use std::io::Write;
 use std::path::Path;
 
@@ -40,9 +41,13 @@ pub fn grid_text(cells: &[usize]) -> String {
     }
 }
 
-/// Writes a file of results.
+/// Writes a file of results; if it fails or is killed, the old file is kept.
 pub fn save(path: &Path, text: &str) -> Result<()> {
-    std::fs::write(path, text).map_err(Failure::file("write", path))
+    // A pipe or a terminal cannot be replaced by another file.
+    if path.exists() && !path.is_file() {
+        return std::fs::write(path, text).map_err(Failure::file("write", path));
+    }
+    Ok(write_atomically(path, |file| file.write_all(text.as_bytes()))?)
 }
 
 /// Stack of a thread, bytes; that of a main thread.

@@ -15,6 +15,11 @@ pub struct Jacobi<T: Real = f64> {
 }
 
 impl<T: Real> Jacobi<T> {
+    /// Division by a diagonal whose inverse is given.
+    pub fn of_inverse(inverse: Vec<T>) -> Self {
+        Self { inverse }
+    }
+
     /// Inverts the operator's diagonal; entries that are not positive get the inverse 0.
     pub fn new(diagonal: &[f64]) -> Self {
         let of = |d: &f64| T::from_f64(if *d > 0.0 { 1.0 / d } else { 0.0 });

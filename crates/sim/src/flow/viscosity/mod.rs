@@ -28,7 +28,7 @@ use coarse::{ViscousSystem, add_coarse_systems};
 use coefficients::Builder;
 use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Lattice, Runs, Segment};
 use meniscus_numerics::linalg::{
-    Jacobi, SolveError, SolveLimits, SolveReport, conjugate_gradient_in_single_precision,
+    SolveError, SolveLimits, SolveReport, conjugate_gradient_in_single_precision,
 };
 use meniscus_numerics::par;
 use multigrid::{Multigrid, is_mild};
@@ -78,7 +78,7 @@ impl<const D: usize> Diffusion<'_, D> {
         let limits = SolveLimits { tolerance, max_iterations: MAX_ITERATIONS };
         let mut systems = vec![ViscousSystem { cells: places.cells, operator, stiffness }];
         let report = if is_mild(stiffness) {
-            let jacobi = Jacobi::new(&systems[0].operator.diagonal());
+            let jacobi = systems[0].operator.jacobi();
             conjugate_gradient_in_single_precision(&systems[0].operator, &jacobi, &b, &mut x, limits)?
         } else {
             add_coarse_systems(&mut systems);
@@ -128,12 +128,15 @@ fn gather<const D: usize>(
         if exists { velocity[a][faces[a].index(at)] } else { 0.0 }
     };
     let (segments, cells) = operator.general_stretches();
+    // Liquid cells have the first places.
+    let liquid = 1..places.runs.last().map_or(1, |run| run.end);
     par::map_component_segments(&mut x, count, &segments, |number, s, mut parts: [&mut [f64]; D]| {
         for (k, cell) in cells[number].iter().enumerate().filter(|(k, _)| s.start + k > 0) {
-            let own = at(s.start + k);
             for (a, part) in parts.iter_mut().enumerate() {
                 if !cell.is_unknown[a] || cell.face_mass[a] > 0.0 {
-                    part[k] = value(own, a);
+                    if !liquid.contains(&(s.start + k)) {
+                        part[k] = value(at(s.start + k), a);
+                    }
                     continue;
                 }
                 let near = cell.next.iter().flatten().map(|n| *n as usize);

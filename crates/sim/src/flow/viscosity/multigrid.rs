@@ -141,7 +141,7 @@ impl<'a, const D: usize> Level<'a, D> {
         Self {
             system,
             smoother,
-            jacobi: Jacobi::new(&diagonal),
+            jacobi: system.operator.jacobi(),
             corrects,
             scales: Vec::new(),
             vectors: Mutex::new([vector(), vector()]),

@@ -6,7 +6,7 @@
 //!
 //! A vector holds the components of the velocity one behind the other, each in the order of the list of cells.
 
-use meniscus_numerics::linalg::{LinearOperator, Real, dot_serial};
+use meniscus_numerics::linalg::{Jacobi, LinearOperator, Real, dot_serial};
 use meniscus_numerics::{grid::Segment, par, rotation_planes};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -141,8 +141,17 @@ impl<const D: usize> ViscousOperator<D> {
 
     /// The diagonal.
     pub fn diagonal(&self) -> Vec<f64> {
-        let deep = self.diagonal_of(&self.full, &|_| &self.full);
-        let mut diagonal = vec![0.0; self.count * D];
+        self.map_diagonal(|entry| entry)
+    }
+
+    /// Division by the diagonal; entries that are zero divide to zero.
+    pub fn jacobi(&self) -> Jacobi<f32> {
+        Jacobi::of_inverse(self.map_diagonal(|entry| if entry > 0.0 { (1.0 / entry) as f32 } else { 0.0 }))
+    }
+
+    fn map_diagonal<T: Real>(&self, f: impl Fn(f64) -> T + Sync) -> Vec<T> {
+        let deep = self.diagonal_of(&self.full, &|_| &self.full).map(&f);
+        let mut diagonal = vec![f(0.0); self.count * D];
         par::map_component_segments(
             &mut diagonal,
             self.count,
@@ -151,7 +160,7 @@ impl<const D: usize> ViscousOperator<D> {
                 Stretch::Deep(_) => parts.iter_mut().zip(deep).for_each(|(part, deep)| part.fill(deep)),
                 Stretch::General(first) => {
                     for (i, cell) in self.cells[*first..][..s.end - s.start].iter().enumerate() {
-                        let own = self.diagonal_of(cell, &|n| self.cell(n));
+                        let own = self.diagonal_of(cell, &|n| self.cell(n)).map(&f);
                         parts.iter_mut().zip(own).for_each(|(part, own)| part[i] = own);
                     }
                 }

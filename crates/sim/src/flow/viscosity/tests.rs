@@ -7,7 +7,7 @@ use crate::simulation::workspace::Workspace;
 use crate::state::State;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use meniscus_numerics::linalg::{LinearOperator, Preconditioner, dot};
+use meniscus_numerics::linalg::{Jacobi, LinearOperator, Preconditioner, dot};
 
 fn model<const D: usize>(cells: usize) -> Model<D> {
     Model {
