@@ -25,6 +25,7 @@ const CASES: &[Case] = &[
     rayleigh::CASE_3D,
     rayleigh::STEPS,
     rayleigh::LAMB,
+    rayleigh::STOKES,
     capillary_wave::CASE,
     moving_drop::CASE,
     rayleigh_plateau::CASE,

@@ -1,7 +1,7 @@
 //! Oscillating drops: frequency, damping, step length, viscosity.
 
 use crate::measure::{at_least, at_most, bars, checks_or_failure, convergence_order, fit_oscillation};
-use crate::setup::{DropHistory, DropRun, RADIUS, rayleigh_frequency, run_drop};
+use crate::setup::{DropHistory, DropRun, RADIUS, TENSION, rayleigh_frequency, run_drop};
 use crate::{Case, Check, Mode};
 use meniscus_sim::StepError;
 use meniscus_sim::{Compiled, Simulation};
@@ -59,6 +59,19 @@ pub const LAMB: Case = Case {
         numerical damping shows, bar 50 %.",
     quick: false,
     run: |mode| checks_or_failure("lamb-decay", lamb(mode)),
+};
+
+/// Relaxation of very viscous drops.
+pub const STOKES: Case = Case {
+    name: "stokes-relaxation",
+    title: "A very viscous drop becomes round",
+    theory: "A drop whose viscosity outweighs its inertia (ν = 100, an Ohnesorge number of 14) loses the mode n = 2 at the \
+        rate γ/ρνR in 2D (R. Hopper, 'Plane Stokes flow driven by capillarity on a free surface', J. Fluid Mech. 213 (1990) \
+        349) and 20γ/19ρνR in 3D (W. Reid, 'The oscillations of a viscous liquid drop', Q. Appl. Math. 18 (1960) 86). Rate \
+        from one to two relaxation times; steps of 1 and 5 times the explicit capillary limit, ν dt/Δ² of 18 and 88. 12 cells \
+        per radius; quick: 2D, steps of 5 limits.",
+    quick: true,
+    run: |mode| checks_or_failure("stokes-relaxation", relaxation(mode)),
 };
 
 /// Frequency and loss per period of a run.
@@ -200,4 +213,27 @@ fn lamb(mode: Mode) -> Result<Vec<Check>, StepError> {
         Check::relative(name, "decay rate, 2D", plane.decay, 4.0 * unit, bars(0.1, 0.03)).in_unit("1/s"),
         Check::relative(name, "decay rate, 3D", space.decay, 5.0 * unit, bars(0.1, 0.03)).in_unit("1/s"),
     ])
+}
+
+fn relaxation(mode: Mode) -> Result<Vec<Check>, StepError> {
+    if mode == Mode::Quick {
+        return Ok(vec![relaxes::<2>(5.0)?]);
+    }
+    Ok(vec![relaxes::<2>(1.0)?, relaxes::<2>(5.0)?, relaxes::<3>(1.0)?, relaxes::<3>(5.0)?])
+}
+
+/// The rate at which a very viscous drop loses mode 2 over that of the theory.
+fn relaxes<const D: usize>(step: f64) -> Result<Check, StepError>
+where
+    Simulation<D>: Compiled<D>,
+{
+    let viscosity = 100.0;
+    let rate = TENSION / (viscosity * RADIUS) * if D == 2 { 1.0 } else { 20.0 / 19.0 };
+    let run = DropRun { cells: 12, mode: 2, amplitude: AMPLITUDE, viscosity, step, time: 2.0 / rate };
+    let DropHistory { times, amplitudes, .. } = run_drop::<D>(&run)?;
+    let middle = times.partition_point(|t| *t < 1.0 / rate);
+    let last = times.len() - 1;
+    let found = (amplitudes[middle] / amplitudes[last]).ln() / (times[last] - times[middle]);
+    let what = format!("rate of relaxation over that of Stokes flow, {D}D, steps {step} × the limit");
+    Ok(Check::relative("stokes-relaxation", what, found / rate, 1.0, bars(0.05, 0.01)))
 }
