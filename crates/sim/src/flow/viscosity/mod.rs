@@ -22,6 +22,7 @@ mod multigrid;
 mod operator;
 #[cfg(test)]
 mod tests;
+
 use crate::model::Model;
 use cells::UnknownCells;
 use coarse::{ViscousSystem, add_coarse_systems};

@@ -1,11 +1,11 @@
 //! Preconditioners of the viscous step where it is stiff: Chebyshev polynomials and multigrid.
 //!
-//! The eigenvalues of the operator divided by its diagonal lie between `1/(1 + 8 ν h/Δ²)` and 4. Up to `ν h/Δ²` of
-//! [`super::coarse::COARSEST_STIFFNESS`] a Chebyshev polynomial for this range, of a degree that keeps the iterations of conjugate gradients at about ten,
-//! costs no more than the diagonal alone. Beyond, a W-cycle over systems of the same form on grids of twice the spacing
-//! ([`super::coarse`]) costs less: polynomials smooth before and after the correction, so that the cycle is a symmetric function of the
-//! residual. The correction of a face is linear in the values of the coarse faces around it, and the residual of a coarse face is its
-//! transpose. Coarse faces without a value drop out of the mean, but for those on closed sides, which are zero.
+//! Within liquid the eigenvalues of the operator divided by its diagonal lie between `1/(1 + 8 ν h/Δ²)` and 4. Up to
+//! [`COARSEST_STIFFNESS`](super::coarse::COARSEST_STIFFNESS) a Chebyshev polynomial for this range, of a degree that keeps the iterations of
+//! conjugate gradients at about ten, costs no more than the diagonal alone. Beyond, a W-cycle over systems of the same form on grids of
+//! twice the spacing ([`super::coarse`]) costs less. Polynomials smooth before and after the correction, so that the cycle is a symmetric
+//! function of the residual. The correction of a face is linear in the values of the coarse faces around it, and the residual of a coarse
+//! face is its transpose. Coarse faces without a value drop out of the mean, but for those on closed sides, which are zero.
 //!
 //! The iterations hardly depend on `ν h/Δ²` and on the size of the liquid (experiment E42).
 //!
@@ -30,8 +30,7 @@ const LOWEST_SMOOTHED_EIGENVALUE: f64 = 0.5;
 const SMOOTHING_DEGREE: usize = 4;
 /// Degree where one grid is enough over the square root of `1 + 8 ν h/Δ²`, for about ten iterations.
 const RELATIVE_DEGREE: f64 = 1.4;
-/// Degree on the coarsest of several grids over the root of the ratio of the largest eigenvalue within liquid, 2, to the lowest one, for
-/// an error of `1/cosh 3`, a tenth.
+/// The same on the coarsest of several grids, for a tenth of the error: degree `d` leaves `1/cosh(2 d/√κ)` with `κ = 4 (1 + 8 ν h/Δ²)`.
 const COARSEST_RELATIVE_DEGREE: f64 = 3.0;
 /// Coarse faces whose diagonal is below this share of that within liquid take no part in the correction: they resist less than the faces
 /// that they would move. From 0.02 to 0.1 the iterations stay the same.
@@ -45,8 +44,10 @@ const ACROSS: [&[f32]; 2] = [&[0.25, 0.75], &[0.75, 0.25]];
 const NORMAL_TRANSPOSE: &[f32] = &[0.5, 1.0, 0.5, 0.0];
 const ACROSS_TRANSPOSE: &[f32] = &[0.25, 0.75, 0.75, 0.25];
 
+/// The smoother of all grids but the coarsest.
 const SMOOTHER: Chebyshev =
     Chebyshev { degree: SMOOTHING_DEGREE, lowest: LOWEST_SMOOTHED_EIGENVALUE, largest: LARGEST_EIGENVALUE };
+
 /// A polynomial for all eigenvalues of a system; `relative_degree` is that over the square root of `1 + 8 ν h/Δ²`.
 fn polynomial(stiffness: f64, relative_degree: f64) -> Chebyshev {
     let ratio = 1.0 + 2.0 * LARGEST_EIGENVALUE * stiffness;
