@@ -1,6 +1,7 @@
 //! `meniscus bench precision`: errors against cost with longer and longer steps.
 
 use super::super::{print, version};
+use super::show_progress;
 use crate::failure::{Failure, Result};
 use meniscus_scene::output::markdown;
 use meniscus_validation::bench::precision::{self, PROBLEMS, Problem, Run};
@@ -10,14 +11,7 @@ use std::fmt::Write as _;
 /// Runs each problem and prints its rows. `quick`: two of the bounds. `as_markdown`: rows go to standard error as they come, and at the end
 /// the tables go to standard output as a page of Markdown.
 pub fn precision(quick: bool, as_markdown: bool) -> Result<Value> {
-    let show = |text: &str| -> Result<()> {
-        if as_markdown {
-            eprint!("{text}");
-            Ok(())
-        } else {
-            print(text)
-        }
-    };
+    let show = |text: &str| show_progress(text, as_markdown);
     let (mut results, mut page) = (Vec::new(), heading());
     for problem in &PROBLEMS {
         let Problem { name, quantity, .. } = problem;

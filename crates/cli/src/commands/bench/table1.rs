@@ -1,6 +1,7 @@
 //! `meniscus bench table1`: the paper's Table 1 and the times of Meniscus.
 
 use super::super::{grid_text, print, version};
+use super::show_progress;
 use super::step::{StepBench, step};
 use crate::failure::Result;
 use meniscus_scene::builtin;
@@ -82,14 +83,7 @@ struct Compared<'a> {
 /// Times some steps of each scene and prints the table. `quick`: one step each at draft quality. `as_markdown`: rows go to standard
 /// error as they come, and at the end the table goes to standard output as a page of Markdown.
 pub fn table1(quick: bool, as_markdown: bool) -> Result<Value> {
-    let show = |text: &str| -> Result<()> {
-        if as_markdown {
-            eprint!("{text}");
-            Ok(())
-        } else {
-            print(text)
-        }
-    };
+    let show = |text: &str| show_progress(text, as_markdown);
     show(
         "table1: the paper's number, then ours\n\
          figure    scene                     vertices       elements   liquid cells  iterations        step s       s/step  peak GB\n",
