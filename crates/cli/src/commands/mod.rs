@@ -26,6 +26,15 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
+/// Prints a row as it comes: to standard error where standard output is for a page of Markdown.
+pub fn show_progress(text: &str, as_markdown: bool) -> Result<()> {
+    if as_markdown {
+        eprint!("{text}");
+        return Ok(());
+    }
+    print(text)
+}
+
 /// The version of this program, and the commit if the environment variable `MENISCUS_COMMIT` named it at compilation.
 pub fn version() -> String {
     let version = env!("CARGO_PKG_VERSION");

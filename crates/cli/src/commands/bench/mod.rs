@@ -65,15 +65,6 @@ fn measure(args: &BenchArgs) -> Result {
     Ok(0)
 }
 
-/// Prints a row as it comes: to standard error where standard output is for a page of Markdown.
-fn show_progress(text: &str, as_markdown: bool) -> Result<()> {
-    if as_markdown {
-        eprint!("{text}");
-        return Ok(());
-    }
-    print(text)
-}
-
 fn pressure_solves(quick: bool) -> Result<Value> {
     let n = if quick { 32 } else { 192 };
     print(

@@ -1,7 +1,6 @@
 //! `meniscus bench precision`: errors against cost with longer and longer steps.
 
-use super::super::{print, version};
-use super::show_progress;
+use super::super::{print, show_progress, version};
 use crate::failure::{Failure, Result};
 use meniscus_scene::output::markdown;
 use meniscus_validation::bench::precision::{self, PROBLEMS, Problem, Run};

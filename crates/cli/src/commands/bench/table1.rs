@@ -1,7 +1,6 @@
 //! `meniscus bench table1`: the paper's Table 1 and the times of Meniscus.
 
-use super::super::{grid_text, print, version};
-use super::show_progress;
+use super::super::{grid_text, print, show_progress, version};
 use super::step::{StepBench, step};
 use crate::failure::Result;
 use meniscus_scene::builtin;
