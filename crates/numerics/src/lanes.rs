@@ -77,10 +77,14 @@ impl Lanes {
         Self(self.0.abs())
     }
 
-    /// The largest whole number that is not larger in each lane.
+    /// The largest whole number that is not larger in each lane, of numbers whose magnitude is below 2⁵¹.
+    ///
+    /// Numbers from 2⁵² to 2⁵³ are whole, so that this sum is rounded to one. Plain x86-64 has no instruction that rounds.
     #[inline(always)]
     pub fn floor(self) -> Self {
-        Self(self.0.floor())
+        let shift = Self::splat(1.5 * (1u64 << 52) as f64);
+        let nearest = self + shift - shift;
+        nearest - self.less_than(nearest).select(Self::splat(1.0), Self::ZERO)
     }
 
     /// The square root in each lane.
@@ -232,5 +236,16 @@ impl<const D: usize> Mul<f64> for VectorLanes<D> {
     #[inline(always)]
     fn mul(self, factor: f64) -> Self {
         Self(self.0.map(|component| component * factor))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floor_is_that_of_single_numbers() {
+        let numbers = [-2.0, -1e-17, 0.0, 0.5, 1.0 - f64::EPSILON, 191.999, -1.5, 2f64.powi(50) + 0.75];
+        assert_eq!(Lanes::from_fn(|l| numbers[l]).floor().to_array(), numbers.map(f64::floor));
     }
 }

@@ -286,8 +286,10 @@ impl<'a, const D: usize> Sampler<'a, D> {
         // Clamp to two cells beyond the edge: there is no data farther out.
         let s = x * self.inverse_dx + (self.margin_cells[a] - self.stagger_cells[a]);
         let s = s.clamp(-2.0, self.lattice.extent[a] as f64 + 1.0);
-        let floor = s.floor();
-        (floor as isize, s - floor)
+        // Plain x86-64 has no instruction for `floor`.
+        let toward_zero = s as isize;
+        let base = toward_zero - isize::from(s < toward_zero as f64);
+        (base, s - base as f64)
     }
 
     /// The values of the 4 points along each axis around a point.
