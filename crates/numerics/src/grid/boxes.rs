@@ -1,7 +1,6 @@
 //! Boxes of lattice points: lower corner, and one past the upper corner.
 
-use super::Lattice;
-use rayon::prelude::*;
+use super::{Lattice, Segment};
 
 /// The faces normal to `axis` of the cells of a box.
 pub(super) fn face_box<const D: usize>([low, mut high]: [[usize; D]; 2], axis: usize) -> [[usize; D]; 2] {
@@ -15,14 +14,6 @@ pub fn lattice_points<const D: usize>(cells: [[usize; D]; 2]) -> impl Iterator<I
     (0..count).map(place)
 }
 
-/// The same in parallel.
-pub fn par_lattice_points<const D: usize>(
-    cells: [[usize; D]; 2],
-) -> impl IndexedParallelIterator<Item = [usize; D]> {
-    let (count, place) = point_numbering(cells);
-    (0..count).into_par_iter().with_min_len(256).map(place)
-}
-
 /// The number of lattice points of a box, and the map from number to point.
 fn point_numbering<const D: usize>([low, high]: [[usize; D]; 2]) -> (usize, impl Fn(usize) -> [usize; D]) {
     let inner = Lattice::new(std::array::from_fn::<_, D, _>(|a| high[a] - low[a]));
@@ -31,6 +22,23 @@ fn point_numbering<const D: usize>([low, high]: [[usize; D]; 2]) -> (usize, impl
         std::array::from_fn(|a| low[a] + at[a])
     };
     (inner.len(), place)
+}
+
+/// The rows of a box as segments of a lattice, in memory order.
+pub fn box_rows<const D: usize>(lattice: &Lattice<D>, [low, high]: [[usize; D]; 2]) -> Vec<Segment> {
+    let mut ends = high;
+    ends[0] = low[0] + usize::from(high[0] > low[0]);
+    let row = |start| Segment { row: lattice.index(start) / lattice.extent[0], start: low[0], end: high[0] };
+    lattice_points([low, ends]).map(row).collect()
+}
+
+/// The lattice points of a segment.
+pub fn segment_points<const D: usize>(
+    lattice: &Lattice<D>,
+    segment: &Segment,
+) -> impl Iterator<Item = [usize; D]> + use<D> {
+    let first = lattice.coordinates(segment.row * lattice.extent[0]);
+    (segment.start..segment.end).map(move |i| std::array::from_fn(|a| if a == 0 { i } else { first[a] }))
 }
 
 /// Sets all points of a box to a value.

@@ -9,9 +9,9 @@
 //!
 //! With these integrals a constant pressure exerts no force and no torque on a body, to rounding, and no surface has to be built.
 
-use super::boxes::{face_box, fill_box, par_lattice_points};
+use super::boxes::{box_rows, face_box, fill_box, segment_points};
 use super::{FaceField, Grid, Lattice, Tiles};
-use crate::{Aabb, Matrix, Vector, rotation_planes};
+use crate::{Aabb, Matrix, Vector, par, rotation_planes};
 use rayon::prelude::*;
 
 /// Open fractions closer than this to 0 or 1 are rounded to it: the flow through such a gap is not worth its stiffness.
@@ -121,14 +121,12 @@ impl<const D: usize> CutCells<D> {
         }
         self.solid_boxes = solids.iter().map(|s| cells_around(&grid, s.bounds)).collect();
         for (solid, [low, high]) in solids.iter().zip(&self.solid_boxes) {
-            let (corners, cells) = (corner_lattice(&grid), grid.lattice());
-            let corner = |at: [usize; D]| {
-                tiles.is_active_corner(at).then(|| (corners.index(at), grid.lower_corner(at)))
-            };
-            let center = |at: [usize; D]| tiles.is_active(at).then(|| (cells.index(at), grid.center(at)));
-            let past = high.map(|n| n + 1);
-            take_min_distance(solid, grid.dx, [*low, past], corner, &mut self.corner_distances_cells);
-            take_min_distance(solid, grid.dx, [*low, *high], center, &mut self.center_distances_cells);
+            let corner = |at: [usize; D]| tiles.is_active_corner(at).then(|| grid.lower_corner(at));
+            let center = |at: [usize; D]| tiles.is_active(at).then(|| grid.center(at));
+            let corners = (corner_lattice(&grid), [*low, high.map(|n| n + 1)]);
+            let cells = (grid.lattice(), [*low, *high]);
+            take_min_distance(solid, grid.dx, corners, corner, &mut self.corner_distances_cells);
+            take_min_distance(solid, grid.dx, cells, center, &mut self.center_distances_cells);
         }
         let faces: Vec<_> = self.solid_boxes.iter().map(|[low, high]| [*low, high.map(|n| n + 1)]).collect();
         self.open_tiles(&tiles.dilated().within(&faces));
@@ -234,24 +232,25 @@ impl<const D: usize> CutCells<D> {
 
     fn update_open_fractions(&mut self, cells: [[usize; D]; 2], tiles: &Tiles<D>) {
         for a in 0..D {
-            let faces = self.open_fraction.grid.face_lattice(a);
-            let shares: Vec<(usize, f64, bool)> = par_lattice_points(face_box(cells, a))
-                .filter(|at| tiles.is_active_face(a, *at))
-                .map(|at| {
-                    let share = self.open_fraction_and_centroid(a, at).0;
-                    (
-                        faces.index(at),
-                        share,
-                        share == 0.0 && self.face_depth_cells(a, at) < MAX_CLOSED_FACE_DEPTH_CELLS,
-                    )
-                })
-                .collect();
-            for (f, share, near) in shares {
-                self.open_fraction.axes[a][f] = share;
-                if near {
-                    self.closed_faces[a].push(f as u32);
-                }
-            }
+            let lattice = self.open_fraction.grid.face_lattice(a);
+            let rows = box_rows(&lattice, face_box(cells, a));
+            let mut shares = std::mem::take(&mut self.open_fraction.axes[a]);
+            par::for_each_segment(&mut shares, lattice.extent[0], &rows, |s, part| {
+                let faces = segment_points(&lattice, s).zip(part);
+                faces.filter(|(at, _)| tiles.is_active_face(a, *at)).for_each(|(at, share)| {
+                    let cut = || self.open_fraction_and_centroid(a, at).0;
+                    *share = self.uncut_open_fraction(a, at).unwrap_or_else(cut);
+                });
+            });
+            let is_near = |at: &[usize; D]| {
+                shares[lattice.index(*at)] == 0.0
+                    && tiles.is_active_face(a, *at)
+                    && self.face_depth_cells(a, *at) < MAX_CLOSED_FACE_DEPTH_CELLS
+            };
+            let of_row = |s| segment_points(&lattice, s).filter(is_near).map(|at| lattice.index(at) as u32);
+            let near: Vec<u32> = rows.par_iter().flat_map_iter(of_row).collect();
+            self.closed_faces[a].extend(near);
+            self.open_fraction.axes[a] = shares;
         }
     }
 
@@ -281,7 +280,8 @@ impl<const D: usize> CutCells<D> {
             let solid = self.nearest_solid(at, solids)?;
             Some(CutCell { cell: lattice.index(at) as u32, solid, area_vector, moment, first_moment })
         };
-        par_lattice_points(cells).filter(|at| tiles.is_active(*at)).filter_map(wet).collect()
+        let of_row = |s| segment_points(&lattice, s).filter(|at| tiles.is_active(*at)).filter_map(wet);
+        box_rows(&lattice, cells).par_iter().flat_map_iter(of_row).collect()
     }
 
     /// Integrals over the wetted surface in a cell, from the open parts of its faces. `None` where they are rounding errors.
@@ -349,14 +349,24 @@ impl<const D: usize> CutCells<D> {
         (2.0 * self.center_distances_cells[self.open_fraction.grid.lattice().index(at)] + corners) / 3.0
     }
 
+    /// Open fraction of a face if it is 0 or 1, because the distance has one sign at all corners.
+    #[inline(always)]
+    fn uncut_open_fraction(&self, axis: usize, at: [usize; D]) -> Option<f64> {
+        let lattice = corner_lattice(&self.open_fraction.grid);
+        let base = lattice.index(at);
+        let offsets = face_axes::<D>(axis).map(|a| lattice.stride[a]);
+        let corners = match D {
+            2 => [0, offsets[0], 0, offsets[0]],
+            _ => [0, offsets[0], offsets[1], offsets[0] + offsets[1]],
+        };
+        let is_open = corners.map(|offset| self.corner_distances_cells[base + offset] > 0.0);
+        (is_open == [is_open[0]; 4]).then_some(f64::from(u8::from(is_open[0])))
+    }
+
     /// Open fraction of a face, and the centroid of its open part, in cells from the origin.
     fn open_fraction_and_centroid(&self, axis: usize, at: [usize; D]) -> (f64, Vector<D>) {
         let lattice = corner_lattice(&self.open_fraction.grid);
-        let base = lattice.index(at);
-        let along: [usize; 2] = match D {
-            2 => [1 - axis; 2],
-            _ => [(axis + 1) % 3, (axis + 2) % 3],
-        };
+        let (base, along) = (lattice.index(at), face_axes::<D>(axis));
         let corner = |i: usize, j: usize| {
             self.corner_distances_cells[base + i * lattice.stride[along[0]] + j * lattice.stride[along[1]]]
         };
@@ -380,24 +390,35 @@ impl<const D: usize> CutCells<D> {
     }
 }
 
+/// The axes of a face normal to `axis`; in 2D twice the same.
+fn face_axes<const D: usize>(axis: usize) -> [usize; 2] {
+    match D {
+        2 => [1 - axis; 2],
+        _ => [(axis + 1) % 3, (axis + 2) % 3],
+    }
+}
+
 fn corner_lattice<const D: usize>(grid: &Grid<D>) -> Lattice<D> {
     Lattice::new(grid.cells.map(|n| n + 1))
 }
 
-/// Takes the minimum of `values` and the distance to a solid, in cells of `dx` (m), at the points of a box. `place` returns the
-/// index and the position of a point, or `None` to skip it.
+/// Takes the minimum of `values` and the distance to a solid, in cells of `dx` (m), at the points of a box of a lattice. `place` returns
+/// the position of a point, or `None` to skip it.
 fn take_min_distance<const D: usize>(
     solid: &EmbeddedBoundary<'_, D>,
     dx: f64,
-    points: [[usize; D]; 2],
-    place: impl Fn([usize; D]) -> Option<(usize, Vector<D>)> + Sync,
+    (lattice, points): (Lattice<D>, [[usize; D]; 2]),
+    place: impl Fn([usize; D]) -> Option<Vector<D>> + Sync,
     values: &mut [f64],
 ) {
-    let found: Vec<(usize, f64)> = par_lattice_points(points)
-        .filter_map(|at| place(at).map(|(i, x)| (i, (solid.signed_distance)(&x) / dx)))
-        .map(|(i, v)| (i, if v.abs() < SURFACE_TOLERANCE_CELLS { -SURFACE_TOLERANCE_CELLS } else { v }))
-        .collect();
-    found.into_iter().for_each(|(i, v)| values[i] = values[i].min(v));
+    par::for_each_segment(values, lattice.extent[0], &box_rows(&lattice, points), |s, part| {
+        for (at, value) in segment_points(&lattice, s).zip(part) {
+            let Some(x) = place(at) else { continue };
+            let distance = (solid.signed_distance)(&x) / dx;
+            let is_on_surface = distance.abs() < SURFACE_TOLERANCE_CELLS;
+            *value = value.min(if is_on_surface { -SURFACE_TOLERANCE_CELLS } else { distance });
+        }
+    });
 }
 
 /// The cells that a box touches, and `DISTANCE_MARGIN_CELLS` more on every side.

@@ -12,9 +12,9 @@ mod tiles;
 mod velocity_extension;
 
 pub use band::Band;
-pub use boxes::{lattice_points, par_lattice_points};
+pub use boxes::{box_rows, lattice_points, segment_points};
 pub use cut_cells::{CutCell, CutCells, EmbeddedBoundary};
-pub use field::{CellField, FaceField};
+pub use field::{CellField, FaceField, gather_segments, scatter_segments, swap_segments};
 pub use interpolate::{BoundaryExtension, Sampler, VelocitySampler};
 pub use runs::{Run, Runs, Segment};
 pub use tiles::{TILE_CELLS, Tiles};

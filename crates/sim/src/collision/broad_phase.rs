@@ -1,7 +1,7 @@
 //! Broad phase of contact: pairs of features that may touch while all solids move from one configuration to another.
 
 use super::configuration::Configuration;
-use super::points::SdfPair;
+use super::points::{CollisionPoints, SdfPair};
 use meniscus_contact::FeaturePairs;
 use meniscus_numerics::Vector;
 
@@ -20,6 +20,9 @@ impl CandidatePairs {
         let Some(Configuration { model, points, .. }) = ways.first().map(|way| way.from) else {
             return Self::default();
         };
+        if ways.iter().all(|way| way.are_solids_apart(reach)) {
+            return Self::default();
+        }
         let configurations: Vec<_> =
             ways.iter().flat_map(|way| [way.from.positions(), way.to.positions()]).collect();
         let rigid = |body: u32| model.solids[body as usize].elastic().is_none();
@@ -93,5 +96,32 @@ impl<const D: usize> Sweep<'_, D> {
     /// ([`MAX_ARC_CHORD_RATIO`]).
     pub fn path_length_bound(&self, solid: usize, start: &Vector<D>, end: &Vector<D>) -> f64 {
         (self.to.to_reference(solid, end) - self.from.to_reference(solid, start)).norm() * MAX_ARC_CHORD_RATIO
+    }
+
+    /// Whether boxes around rigid solids show that no point comes within `reach` (m) of another solid or a side; `false` if a solid deforms.
+    fn are_solids_apart(&self, reach: f64) -> bool {
+        let Configuration { model, points, .. } = *self.from;
+        let all_rigid = model.solids.iter().all(|solid| solid.elastic().is_none());
+        let number = 0..model.solids.len();
+        all_rigid && number.into_iter().all(|k| self.is_apart(k, points, 2.0 * reach) == Some(true))
+    }
+
+    /// Whether the points of a rigid solid keep a distance of `reach` (m), by the box around it. The length of the path of a point relative
+    /// to another solid is a convex function of its initial position, and thus largest at a corner of the box.
+    fn is_apart(&self, solid: usize, points: &CollisionPoints<D>, reach: f64) -> Option<bool> {
+        let (start, end) = (self.from.box_corners(solid)?, self.to.box_corners(solid)?);
+        let nearest_side = points
+            .domain_sides
+            .iter()
+            .flat_map(|side| start.iter().chain(&end).map(|corner| side.distance(corner)));
+        let [low, high] = self.from.bounds(solid);
+        let is_far = |other: usize| {
+            let [other_low, other_high] = self.from.bounds(other);
+            let path = start.iter().zip(&end).map(|(s, e)| self.path_length_bound(other, s, e));
+            let gap = (other_low - high).sup(&(low - other_high)).max();
+            gap > reach + path.fold(0.0, f64::max)
+        };
+        let mut others = (0..self.from.model.solids.len()).filter(|other| *other != solid);
+        Some(nearest_side.fold(f64::INFINITY, f64::min) > reach && others.all(is_far))
     }
 }

@@ -5,6 +5,7 @@ use crate::model::Model;
 use crate::solid::{RigidKinematics, SolidState, angular_from_node};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
+use rayon::prelude::*;
 
 /// Step of the finite differences of a distance, in cells.
 const DIFFERENCE_STEP_CELLS: f64 = 1e-4;
@@ -95,12 +96,20 @@ impl<'a, const D: usize> Configuration<'a, D> {
 
     /// Positions of all points, m.
     pub fn positions(&self) -> Vec<Vector<D>> {
-        self.points.owners.iter().map(|owner| self.position(owner)).collect()
+        self.points.owners.par_iter().with_min_len(1024).map(|owner| self.position(owner)).collect()
     }
 
     /// Bounding box of a rigid solid, m.
     pub fn bounds(&self, solid: usize) -> [Vector<D>; 2] {
         self.model.solids[solid].rigid_bounds(&self.frames[solid].rigid)
+    }
+
+    /// Corners of the box around a rigid solid at the start, where they are now, m; `None` if the box is not bounded.
+    pub fn box_corners(&self, solid: usize) -> Option<Vec<Vector<D>>> {
+        let (low, high) = self.model.solids[solid].shape.bounds();
+        let corner = |k: usize| Vector::from_fn(|a, _| if k >> a & 1 == 1 { high[a] } else { low[a] });
+        let now = |k| self.model.solids[solid].to_current(&self.frames[solid].rigid, &corner(k));
+        (high - low).iter().all(|s| s.is_finite()).then(|| (0..1 << D).map(now).collect())
     }
 
     /// Initial position, m, of the material point of a rigid solid that is now at `x`.

@@ -29,6 +29,8 @@ pub struct PressureCoupling<'a, const D: usize> {
     /// Joint response of the solids, if any is movable.
     response: Option<&'a SolidResponse<D>>,
     wetted_surfaces: &'a [WettedSurface<D>],
+    /// For each surface piece and tied face the cell, and the flux out of it per component of the nodes' velocities, in areas of a face.
+    node_flux_rows: Vec<FluxRow>,
 }
 
 /// A piece of solid surface in a liquid cell, with the closest surface point of a deformable solid, where the pressure acts.
@@ -56,7 +58,10 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         solids: &'a [SolidState<D>],
         response: Option<&'a SolidResponse<D>>,
     ) -> Self {
-        Self { model, solids, response, wetted_surfaces }
+        let mut coupling = Self { model, solids, response, wetted_surfaces, node_flux_rows: Vec::new() };
+        coupling.node_flux_rows =
+            response.map_or_else(Vec::new, |response| coupling.find_node_flux_rows(response));
+        coupling
     }
 
     /// Calls `f(cell, flux)` with the flux into each surface, `∫ v·n dS` in areas of a face, m/s.
@@ -81,10 +86,9 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
     pub fn compliance(&self) -> Option<CoupledBodies<'_>> {
         let response = self.response?;
         let scale = (self.model.density * self.model.grid.cell_volume()).sqrt();
-        let scaled = |(cell, flow): (u32, Vec<(u32, f64)>)| {
-            (cell, flow.into_iter().map(|(k, v)| (k, v * scale)).collect::<Vec<_>>())
-        };
-        let flux_rows: Vec<_> = self.node_flux_rows(response).into_iter().map(scaled).collect();
+        let scaled =
+            |(cell, flow): &FluxRow| (*cell, flow.iter().map(|(k, v)| (*k, v * scale)).collect::<Vec<_>>());
+        let flux_rows: Vec<_> = self.node_flux_rows.iter().map(scaled).collect();
         if flux_rows.is_empty() {
             return None;
         }
@@ -104,8 +108,8 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         })
     }
 
-    /// For each surface piece and tied face the cell, and the flux out of it per component of the nodes' velocities, in areas of a face.
-    fn node_flux_rows(&self, response: &SolidResponse<D>) -> Vec<FluxRow> {
+    /// The rows of `node_flux_rows`.
+    fn find_node_flux_rows(&self, response: &SolidResponse<D>) -> Vec<FluxRow> {
         let mut flows: Vec<FluxRow> = Vec::new();
         for (w, grip) in self.wetted_surfaces {
             let solid = w.solid as usize;
@@ -128,10 +132,9 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
 
     /// Calls `f(cell, flux)` with the flux due to velocities of the nodes.
     pub fn for_each_node_flux(&self, velocities: &[Vector<D>], mut f: impl FnMut(usize, f64)) {
-        let Some(response) = self.response else { return };
-        for (cell, flow) in self.node_flux_rows(response) {
+        for (cell, flow) in &self.node_flux_rows {
             f(
-                cell as usize,
+                *cell as usize,
                 flow.iter().map(|(k, v)| v * velocities[*k as usize / D][*k as usize % D]).sum(),
             );
         }
@@ -142,8 +145,8 @@ impl<'a, const D: usize> PressureCoupling<'a, D> {
         let Some(response) = self.response else { return Vec::new() };
         let scale = self.model.density * self.model.grid.face_area();
         let mut all = vec![Vector::zeros(); response.dof_count() / D];
-        for (cell, flow) in self.node_flux_rows(response) {
-            let push = scale * lambda[cell as usize];
+        for (cell, flow) in &self.node_flux_rows {
+            let push = scale * lambda[*cell as usize];
             flow.iter().for_each(|(k, v)| all[*k as usize / D][*k as usize % D] += v * push);
         }
         all

@@ -21,7 +21,9 @@ use crate::simulation::workspace::Workspace;
 use crate::solid::{SolidState, Solids};
 use crate::state::State;
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{Band, CutCells, Runs, Sampler, Segment};
+use meniscus_numerics::grid::{
+    Band, CutCells, FaceField, Runs, Sampler, Segment, gather_segments, scatter_segments,
+};
 use meniscus_numerics::linalg::SolveError;
 
 /// Results of the pressure solve.
@@ -178,7 +180,8 @@ fn solve_with_dynamic_solids<const D: usize>(
     let stiffness = wetted_tension_stiffness(solids, &state.phi);
     let loads = DeformableLoads::of_solids(model, line, stiffness, times.impulse_time);
     apply_impulses_to_rigid(model, &mut state.solids, line);
-    let (points, start) = (work.collision_points.clone(), state.velocity.clone());
+    let points = work.collision_points.clone();
+    let start = LiquidVelocity::of(&state.velocity, work.known_faces.liquid_faces());
     let impact_work = resolve_impacts(model, &points, &mut state.solids, before, times, &mut work.repairs);
     let slips = std::mem::take(&mut state.elastic_slips);
     let from = OldSolids { solids, velocities: &points.node_velocities(before), elastic_slips: &slips };
@@ -194,7 +197,6 @@ fn solve_with_dynamic_solids<const D: usize>(
             &state.phi.data,
             &work.cut_cells.open_fraction,
         )?;
-        state.velocity.clone_from(&start);
         let domain = ProjectionDomain {
             band: &work.band,
             liquid: &work.liquid,
@@ -222,6 +224,24 @@ fn solve_with_dynamic_solids<const D: usize>(
                 contact_work: contact_work + impact_work,
                 newton_iterations: iteration,
             });
+        }
+        start.restore(&mut state.velocity, work.known_faces.liquid_faces());
+    }
+}
+
+/// The velocity on the liquid's faces, the only one that a projection changes.
+struct LiquidVelocity<const D: usize>([Vec<f64>; D]);
+
+impl<const D: usize> LiquidVelocity<D> {
+    fn of(velocity: &FaceField<D>, faces: &[Vec<Segment>; D]) -> Self {
+        let row = |a: usize| velocity.grid.face_lattice(a).extent[0];
+        Self(std::array::from_fn(|a| gather_segments(&velocity.axes[a], row(a), &faces[a])))
+    }
+
+    fn restore(&self, velocity: &mut FaceField<D>, faces: &[Vec<Segment>; D]) {
+        for (a, values) in self.0.iter().enumerate() {
+            let row = velocity.grid.face_lattice(a).extent[0];
+            scatter_segments(&mut velocity.axes[a], row, &faces[a], values);
         }
     }
 }

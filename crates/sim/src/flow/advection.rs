@@ -365,22 +365,12 @@ pub fn pack(segments: &[Segment]) -> Vec<Segment> {
         .collect()
 }
 
-/// Writes the values of segments of cells, one behind the other.
-pub fn unpack<const D: usize>(field: &mut CellField<D>, segments: &[Segment], mut values: &[f64]) {
-    let row = field.grid.cells[0];
-    for s in segments {
-        let own;
-        (own, values) = values.split_at(s.end - s.start);
-        field.data[s.row * row + s.start..s.row * row + s.end].copy_from_slice(own);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::simulation::workspace::Workspace;
     use crate::state::State;
-    use meniscus_numerics::grid::Grid;
+    use meniscus_numerics::grid::{Grid, scatter_segments};
 
     /// Largest speed after `steps` steps of transport in a layer whose top face row flows in at the speed 1, the others at 0.1. The
     /// interface is `held` where it is, or moves with the flow.
@@ -405,7 +395,7 @@ mod tests {
                 advect_interface(&model, &state.phi, &work.band, &state.velocity, &work.cut_cells, 0.1);
             let mut phi = state.phi.clone();
             if !held {
-                unpack(&mut phi, &work.band.segments, &values);
+                scatter_segments(&mut phi.data, model.grid.cells[0], &work.band.segments, &values);
             }
             let segments = work.known_faces.liquid_faces().clone();
             let phis = [&state.phi, &phi];

@@ -16,22 +16,24 @@ use crate::model::Model;
 use crate::model::time_step::PhaseEnd;
 use crate::solid::{SolidState, Solids};
 use crate::state::State;
-use meniscus_numerics::grid::{Band, CellField, CutCells, FaceField, Runs, Segment};
+use meniscus_numerics::grid::{
+    Band, CellField, CutCells, FaceField, Runs, Segment, gather_segments, swap_segments,
+};
 use meniscus_numerics::linalg::{
     CoupledBodies, MultigridBackend, PoissonInput, PreparedPressureSystem, PressureBackend, PressureSystem,
     SolveError, SolveLimits, SolveReport,
 };
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::iter::zip;
 
 /// Dense memory of the solve, kept from step to step.
 pub struct PressureFields<const D: usize> {
     assembled: AssembledFields<D>,
-    /// λ of the first solve of the last Newton iteration, from which that of the next one starts. During a
-    /// projection with a warm start it holds the initial guess of the second solve until that begins.
-    first_solution: CellField<D>,
+    /// λ in the liquid after the first solve of the last Newton iteration, from which that of the next one starts. During
+    /// a projection with a warm start it holds the initial guess of the second solve until that begins.
+    first_solution: Vec<f64>,
     /// The solver, with its memory.
     backend: Box<dyn PressureBackend<D>>,
 }
@@ -109,7 +111,7 @@ impl<const D: usize> PressureFields<D> {
     pub fn new(model: &Model<D>) -> Self {
         let zero = || CellField::new(model.grid, 0.0);
         let assembled = AssembledFields { dirichlet: zero(), rhs: zero() };
-        Self { assembled, first_solution: zero(), backend: Box::new(MultigridBackend::default()) }
+        Self { assembled, first_solution: Vec::new(), backend: Box::new(MultigridBackend::default()) }
     }
 
     /// Makes the velocity divergence-free in the liquid, coupled to solids with a `response`. The gradient of the first solution gives
@@ -135,8 +137,9 @@ impl<const D: usize> PressureFields<D> {
         let mut system = assembled.prepare(backend.as_mut(), model, p, compliance.as_ref())?;
         let limits = SolveLimits { tolerance, max_iterations: model.numerics.max_iterations };
         let mut solves = FlowSolves::default();
+        let (row, cells) = (model.grid.cells[0], p.liquid.segments());
         if warm_start {
-            std::mem::swap(p.pressure_impulse, first_solution);
+            swap_segments(&mut p.pressure_impulse.data, row, &cells, first_solution);
         }
         solves.pressure[0] = system.solve(&assembled.rhs, p.pressure_impulse, limits)?;
         solves.pressure[1].residual = solves.pressure[0].residual;
@@ -158,8 +161,8 @@ impl<const D: usize> PressureFields<D> {
                 assembled.rhs.data[face.cell] += face.open_fraction * face.mobility * bend
             });
             match (warm_start, response) {
-                (true, _) => std::mem::swap(p.pressure_impulse, first_solution),
-                (false, Some(_)) => first_solution.data.clone_from(&p.pressure_impulse.data),
+                (true, _) => swap_segments(&mut p.pressure_impulse.data, row, &cells, first_solution),
+                (false, Some(_)) => *first_solution = gather_segments(&p.pressure_impulse.data, row, &cells),
                 (false, None) => {}
             }
             solves.pressure[1] = system.solve(&assembled.rhs, p.pressure_impulse, limits)?;
@@ -298,7 +301,7 @@ fn change_without_pressure<const D: usize>(
     )
 }
 
-/// Velocity change of interface faces by surface tension and `corrections`, m/s, by axis and face.
+/// Velocity change of dragged interface faces by surface tension and `corrections`, m/s, by axis and face.
 fn tension_velocity_change<const D: usize>(
     model: &Model<D>,
     p: &Projection<'_, D>,
@@ -311,7 +314,9 @@ fn tension_velocity_change<const D: usize>(
             c.open_fraction * c.sign * (p.tension_impulse * c.kappa + c.theta * bend) / model.grid.dx,
         )
     };
-    p.interface_faces.iter().enumerate().map(push).collect()
+    let dragged: BTreeSet<_> = p.dragged_faces.iter().map(|f| (f.axis, f.face)).collect();
+    let is_dragged = |(_, c): &(usize, &InterfaceFace)| dragged.contains(&(c.axis, c.face));
+    p.interface_faces.iter().enumerate().filter(is_dragged).map(push).collect()
 }
 
 /// Velocity of dragged faces before the pressure acts.

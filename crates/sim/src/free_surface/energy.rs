@@ -13,9 +13,10 @@
 //! drop with Bo = 1 on a falling plate is wrong by half a degree (28 cells a radius).
 
 use super::dual_cell::{CornerComponents, DualCell, SimplexSplit, away_from_zero, distribute};
-use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, par_lattice_points};
+use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, Segment, box_rows, segment_points};
 use meniscus_numerics::{Vector, rotation_planes};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// The grid of dual cells and their split into simplices.
 pub struct DualGrid<const D: usize> {
@@ -30,6 +31,8 @@ pub struct DualGrid<const D: usize> {
 /// A dual cell that a solid cuts.
 struct SolidDualCell {
     key: u32,
+    /// The cells of its corners.
+    corners: [u32; 8],
     /// Distance to the solid at the corners, in cells.
     psi: [f64; 8],
     /// Bit mask of the corners whose cells have an open face.
@@ -41,8 +44,8 @@ struct SolidDualCell {
     young_cosine: f64,
     /// Whether a line there is pinned.
     pinned: bool,
-    /// The dual cell when it is full of liquid.
-    flooded: DualCell,
+    /// The dual cell when it is full of liquid, with Young's angle.
+    flooded: OnceLock<DualCell>,
 }
 
 impl<const D: usize> DualGrid<D> {
@@ -57,43 +60,58 @@ impl<const D: usize> DualGrid<D> {
         cut_cells: &CutCells<D>,
         nearest: impl Fn(&Vector<D>) -> (u32, f64) + Sync,
     ) {
-        let (cubes, cells) = (self.lattice(), self.grid.lattice());
-        let dry = |at: [usize; D]| {
+        let cubes = self.lattice();
+        let of_row = |row: &Segment| self.solid_cells_in(row, cut_cells, &nearest);
+        let of = |[low, high]: &[[usize; D]; 2]| -> Vec<SolidDualCell> {
+            let rows = box_rows(&cubes, [*low, high.map(|n| n + 1)]);
+            rows.par_iter().flat_map_iter(of_row).collect()
+        };
+        let mut all: Vec<SolidDualCell> = cut_cells.solid_boxes().iter().flat_map(of).collect();
+        all.sort_by_key(|d| d.key);
+        all.dedup_by_key(|d| d.key);
+        self.solid_cells = all;
+    }
+
+    /// The dual cells of a row that solids cut.
+    fn solid_cells_in(
+        &self,
+        row: &Segment,
+        cut_cells: &CutCells<D>,
+        nearest: &(impl Fn(&Vector<D>) -> (u32, f64) + Sync),
+    ) -> Vec<SolidDualCell> {
+        let cubes = self.lattice();
+        // The last cube that a solid touches: its place in the row, and its open corners.
+        let mut last: Option<(usize, u8)> = None;
+        let cut = |at: [usize; D]| {
             let corners = self.corners(at);
-            let psi: [f64; 8] =
-                std::array::from_fn(|k| away_from_zero(cut_cells.distance_cells(corners[k] as usize)));
+            let psi = corners.map(|c| away_from_zero(cut_cells.distance_cells(c as usize)));
             if psi[..1 << D].iter().all(|v| *v > 0.0) {
                 return None;
             }
-            let open_corners = (0..1 << D)
-                .filter(|k| !cut_cells.is_closed(cells.coordinates(corners[*k] as usize)))
-                .fold(0, |bits, k| bits | 1 << k);
+            let before = last.filter(|(i, _)| i + 1 == at[0]).map(|(_, open)| open);
+            let is_open = |k: &usize| match before {
+                Some(open) if k & 1 == 0 => open >> (k | 1) & 1 == 1,
+                _ => !cut_cells.is_closed(self.corner(at, *k)),
+            };
+            let open_corners = (0..1 << D).filter(is_open).fold(0, |bits, k| bits | 1 << k);
+            last = Some((at[0], open_corners));
             if open_corners == 0 {
                 return None;
             }
-            let key = cubes.index(at) as u32;
             let (solid, young_cosine) = nearest(&self.grid.lower_corner(at));
-            let flooded = DualCell::new(corners, open_corners);
-            let mut dry = SolidDualCell {
-                key,
+            Some(SolidDualCell {
+                key: cubes.index(at) as u32,
+                corners,
                 psi,
                 open_corners,
                 solid,
                 contact_cosine: young_cosine,
                 young_cosine,
                 pinned: false,
-                flooded,
-            };
-            dry.flooded = self.dual_cell_with_solid(&dry, &[-1.0; 8], at);
-            Some(dry)
+                flooded: OnceLock::new(),
+            })
         };
-        let of = |[low, high]: &[[usize; D]; 2]| -> Vec<SolidDualCell> {
-            par_lattice_points([*low, high.map(|n| n + 1)]).filter_map(dry).collect()
-        };
-        let mut all: Vec<SolidDualCell> = cut_cells.solid_boxes().iter().flat_map(of).collect();
-        all.sort_by_key(|d| d.key);
-        all.dedup_by_key(|d| d.key);
-        self.solid_cells = all;
+        segment_points(&cubes, row).filter_map(cut).collect()
     }
 
     /// Keys of the dual cells that the surface crosses or in which liquid wets a solid, in order of memory. Only the signs of `phi` are used.
@@ -109,7 +127,7 @@ impl<const D: usize> DualGrid<D> {
                     .map(move |k| cubes.index(std::array::from_fn(|a| at[a] + (k >> a & 1))) as u32)
             })
             .collect();
-        let wet = |d: &SolidDualCell| d.flooded.corners[..1 << D].iter().any(|c| phi[*c as usize] < 0.0);
+        let wet = |d: &SolidDualCell| d.corners[..1 << D].iter().any(|c| phi[*c as usize] < 0.0);
         keys.extend(self.solid_cells.iter().filter(|d| wet(d)).map(|d| d.key));
         keys.par_sort_unstable();
         keys.dedup();
@@ -142,7 +160,7 @@ impl<const D: usize> DualGrid<D> {
         let cubes = self.lattice();
         let place = |(number, dry): (usize, &SolidDualCell)| {
             let values: [f64; 8] = std::array::from_fn(|k| {
-                phi.get(dry.flooded.corners[k] as usize).map_or(1.0, |v| away_from_zero(v / self.grid.dx))
+                phi.get(dry.corners[k] as usize).map_or(1.0, |v| away_from_zero(v / self.grid.dx))
             });
             let wet = (0..1 << D).filter(|k| values[*k] < 0.0).count();
             let at = cubes.coordinates(dry.key as usize);
@@ -182,10 +200,12 @@ impl<const D: usize> DualGrid<D> {
     /// cubes beyond the lower walls have 0.
     fn corners(&self, at: [usize; D]) -> [u32; 8] {
         let cells = self.grid.lattice();
-        let corner = |k: usize, a: usize| (at[a] + (k >> a & 1)).saturating_sub(1).min(cells.extent[a] - 1);
-        std::array::from_fn(|k| {
-            if k < 1 << D { cells.index(std::array::from_fn(|a| corner(k, a))) as u32 } else { u32::MAX }
-        })
+        std::array::from_fn(|k| if k < 1 << D { cells.index(self.corner(at, k)) as u32 } else { u32::MAX })
+    }
+
+    /// The cell of corner `k` of the same cube.
+    fn corner(&self, at: [usize; D], k: usize) -> [usize; D] {
+        std::array::from_fn(|a| (at[a] + (k >> a & 1)).saturating_sub(1).min(self.grid.cells[a] - 1))
     }
 
     fn dual_cell(&self, phi: &[f64], key: u32) -> DualCell {
@@ -197,8 +217,12 @@ impl<const D: usize> DualGrid<D> {
         let liquid = (0..1 << D).filter(|k| values[*k] < 0.0).fold(0u8, |bits, k| bits | 1 << k);
         if let Ok(i) = self.solid_cells.binary_search_by_key(&key, |d| d.key) {
             let dry = &self.solid_cells[i];
-            let flooded = u32::from(liquid).count_ones() == 1 << D;
-            return if flooded { dry.flooded.clone() } else { self.dual_cell_with_solid(dry, &values, at) };
+            let is_flooded = u32::from(liquid).count_ones() == 1 << D;
+            return if is_flooded {
+                self.flooded(dry, at)
+            } else {
+                self.dual_cell_with_solid(dry, &values, at)
+            };
         }
         let mut cube = DualCell::new(corners, liquid);
         self.split.cut(&values, &self.bond_vector_in(at), &mut cube);
@@ -206,12 +230,29 @@ impl<const D: usize> DualGrid<D> {
         cube
     }
 
+    /// A dual cell that a solid cuts when it is full of liquid. Several phases of a step read it.
+    fn flooded(&self, dry: &SolidDualCell, at: [usize; D]) -> DualCell {
+        let flooded = || self.cut_with_angle(dry, &[-1.0; 8], at, (dry.young_cosine, false));
+        dry.flooded.get_or_init(flooded).clone()
+    }
+
     /// Computes a dual cell that a solid cuts.
     fn dual_cell_with_solid(&self, dry: &SolidDualCell, values: &[f64; 8], at: [usize; D]) -> DualCell {
+        self.cut_with_angle(dry, values, at, (dry.contact_cosine, dry.pinned))
+    }
+
+    /// The same with the cosine of the contact angle, and whether the line is pinned.
+    fn cut_with_angle(
+        &self,
+        dry: &SolidDualCell,
+        values: &[f64; 8],
+        at: [usize; D],
+        angle: (f64, bool),
+    ) -> DualCell {
         let liquid = (0..1 << D).filter(|k| values[*k] < 0.0).fold(0u8, |bits, k| bits | 1 << k);
-        let mut cube = DualCell::new(dry.flooded.corners, liquid & dry.open_corners);
-        (cube.solid, cube.contact_cosine, cube.young_cosine, cube.pinned) =
-            (dry.solid, dry.contact_cosine, dry.young_cosine, dry.pinned);
+        let mut cube = DualCell::new(dry.corners, liquid & dry.open_corners);
+        (cube.solid, cube.young_cosine) = (dry.solid, dry.young_cosine);
+        (cube.contact_cosine, cube.pinned) = angle;
         self.split.cut_with_solid(values, &dry.psi, &self.bond_vector_in(at), &mut cube);
         self.move_to_grid(&mut cube, at);
         cube
@@ -334,158 +375,5 @@ fn multilinear<const D: usize>(values: &[f64; 8], s: &Vector<D>) -> (f64, Vector
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use meniscus_numerics::Vector;
-    use meniscus_numerics::grid::Tiles;
-
-    /// The components at the corners of dual cells around a liquid of one component.
-    fn of_one(cubes: &[DualCell]) -> Vec<CornerComponents> {
-        cubes.iter().map(|cube| cube.corner_components(|_| Some(0))).collect()
-    }
-
-    fn measure<const D: usize>(phi: &[f64], grid: Grid<D>) -> (f64, f64, Vec<DualCell>) {
-        let inside = Tiles::all(grid).negative_runs(phi).label(&grid);
-        let mut band = Band::new(grid);
-        band.rebuild(phi, &inside, 3);
-        let lattice = DualGrid::new(grid, Vector::zeros());
-        let cubes = lattice.interface_cells(phi, &band);
-        let volume: f64 =
-            lattice.component_volumes(&inside, &of_one(&cubes), &cubes).iter().map(|v| v.0).sum();
-        (cubes.iter().map(|c| c.area).sum(), volume, cubes)
-    }
-
-    fn check<const D: usize>() {
-        let grid = Grid::<D>::new([14; D], 1.0);
-        let lattice = grid.lattice();
-        let phi: Vec<f64> = (0..lattice.len())
-            .map(|i| {
-                let x = grid.center(lattice.coordinates(i));
-                let wobble = 0.2 * (1.3 * x[0] + 0.7 * x[1]).sin();
-                (x - Vector::from_fn(|a, _| 5.1 + 0.3 * a as f64)).norm() - 3.9 + wobble
-            })
-            .collect();
-        let (_, _, cubes) = measure(&phi, grid);
-        let mut slopes = vec![(0.0, 0.0); phi.len()];
-        for cube in &cubes {
-            for k in 0..1 << D {
-                slopes[cube.corners[k] as usize].0 -= cube.energy_slope[k];
-                slopes[cube.corners[k] as usize].1 -= cube.volume_slope[k];
-            }
-        }
-        for cell in (0..phi.len()).filter(|&c| slopes[c].1 != 0.0).step_by(7) {
-            let shifted = |h: f64| {
-                let mut p = phi.clone();
-                p[cell] += h;
-                measure(&p, grid)
-            };
-            let (up, down) = (shifted(1e-6), shifted(-1e-6));
-            assert!(((up.0 - down.0) / 2e-6 - slopes[cell].0).abs() < 1e-6, "area slope in {D}D");
-            assert!(((up.1 - down.1) / 2e-6 - slopes[cell].1).abs() < 1e-6, "volume slope in {D}D");
-        }
-    }
-
-    #[test]
-    fn slopes_are_exact_derivatives() {
-        check::<2>();
-        check::<3>();
-    }
-
-    /// A bond vector that points along no axis.
-    fn weight<const D: usize>() -> Vector<D> {
-        Vector::from_fn(|a, _| 0.03 - 0.05 * a as f64)
-    }
-
-    /// Energy and volume beside a ball, and the cubes.
-    fn measure_beside<const D: usize>(phi: &[f64], grid: Grid<D>) -> (f64, f64, Vec<DualCell>) {
-        let ball = |x: &Vector<D>| (x - Vector::from_fn(|a, _| 8.2 - 0.4 * a as f64)).norm() - 3.1;
-        let bounds = [Vector::repeat(3.0), Vector::repeat(12.0)];
-        let mut cut = CutCells::uncut(grid);
-        cut.rebuild(
-            &[meniscus_numerics::grid::EmbeddedBoundary { signed_distance: &ball, bounds }],
-            &Tiles::all(grid),
-        );
-        let mut lattice = DualGrid::new(grid, weight());
-        lattice.update_solids(&cut, |_| (0, 0.6));
-        let inside = Tiles::all(grid).negative_runs(phi);
-        let inside = inside.filtered(&grid, |c| !cut.is_closed(grid.lattice().coordinates(c))).label(&grid);
-        let mut band = Band::new(grid);
-        band.rebuild(phi, &inside, 3);
-        let cubes = lattice.interface_cells(phi, &band);
-        let (volume, center) = lattice.component_volumes(&inside, &of_one(&cubes), &cubes)[0];
-        let energy: f64 = cubes.iter().map(|c| c.area - c.contact_cosine * c.wetted_area).sum();
-        (energy + volume * center.dot(&weight()), volume, cubes)
-    }
-
-    fn check_beside<const D: usize>() {
-        let grid = Grid::<D>::new([14; D], 1.0);
-        let lattice = grid.lattice();
-        let phi: Vec<f64> = (0..lattice.len())
-            .map(|i| {
-                let x = grid.center(lattice.coordinates(i));
-                (x - Vector::from_fn(|a, _| 5.1 + 0.3 * a as f64)).norm() - 3.9
-            })
-            .collect();
-        let (_, _, cubes) = measure_beside(&phi, grid);
-        assert!(cubes.iter().filter(|c| c.normal_pull != [0.0; 3]).count() > if D == 2 { 1 } else { 20 });
-        let mut slopes = vec![(0.0, 0.0); phi.len()];
-        for cube in &cubes {
-            for k in 0..1 << D {
-                slopes[cube.corners[k] as usize].0 -= cube.energy_slope[k];
-                slopes[cube.corners[k] as usize].1 -= cube.volume_slope[k];
-            }
-        }
-        let (mut worst, mut checked) = ((0.0f64, 0.0f64), 0);
-        for cell in (0..phi.len()).filter(|&c| slopes[c].1 != 0.0 && phi[c].abs() > 1e-3) {
-            let shifted = |h: f64| {
-                let mut p = phi.clone();
-                p[cell] += h;
-                measure_beside(&p, grid)
-            };
-            if D == 3 && cell % 5 != 0 {
-                continue;
-            }
-            let (up, down) = (shifted(1e-6), shifted(-1e-6));
-            worst.0 = worst.0.max(((up.0 - down.0) / 2e-6 - slopes[cell].0).abs());
-            worst.1 = worst.1.max(((up.1 - down.1) / 2e-6 - slopes[cell].1).abs());
-            checked += 1;
-        }
-        assert!(checked > 10 && worst.0 < 1e-5 && worst.1 < 1e-5, "{D}D: {worst:?} of {checked}");
-    }
-
-    #[test]
-    fn slopes_beside_a_solid_are_exact_derivatives() {
-        check_beside::<2>();
-        check_beside::<3>();
-    }
-
-    #[test]
-    fn half_a_tank_is_half_a_tank() {
-        let grid = Grid::<3>::new([6, 5, 8], 0.5);
-        let lattice = grid.lattice();
-        let phi: Vec<f64> =
-            (0..lattice.len()).map(|i| grid.center(lattice.coordinates(i))[2] - 2.1).collect();
-        let (area, volume, _) = measure(&phi, grid);
-        assert!((area - 30.0).abs() < 1e-12 && (volume - 3.0 * 2.5 * 2.1).abs() < 1e-12);
-    }
-
-    #[test]
-    fn the_center_is_that_of_the_liquid() {
-        let grid = Grid::<3>::new([24, 20, 32], 0.125);
-        let lattice = grid.lattice();
-        let center = |f: &dyn Fn(Vector<3>) -> f64| {
-            let phi: Vec<f64> = (0..lattice.len()).map(|i| f(grid.center(lattice.coordinates(i)))).collect();
-            let inside = Tiles::all(grid).negative_runs(&phi).label(&grid);
-            let mut band = Band::new(grid);
-            band.rebuild(&phi, &inside, 3);
-            let measuring = DualGrid::new(grid, Vector::zeros());
-            let cubes = measuring.interface_cells(&phi, &band);
-            measuring.component_volumes(&inside, &of_one(&cubes), &cubes)[0].1
-        };
-        let tank = center(&|x| x[2] - 2.1);
-        assert!((tank - Vector::<3>::new(1.5, 1.25, 1.05)).norm() < 1e-12, "{tank}");
-        let middle = Vector::<3>::new(1.43, 1.31, 2.07);
-        let ball = center(&|x| (x - middle).norm() - 0.9);
-        assert!((ball - middle).norm() < 1e-3 * grid.dx, "{ball} {middle}");
-    }
-}
+#[path = "energy_tests.rs"]
+mod tests;

@@ -6,14 +6,14 @@
 use super::diagnostics::max_velocity_component;
 use super::workspace::Workspace;
 use crate::components::volume::band_labels;
-use crate::flow::advection::{LiquidFaces, advect_interface, advect_velocity, pack, unpack};
+use crate::flow::advection::{LiquidFaces, advect_interface, advect_velocity, pack};
 use crate::free_surface::curvature::InterfaceDisplacement;
 use crate::free_surface::extension::extend_into_solids;
 use crate::model::Model;
 use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS, GRADIENT_NORM_TOLERANCE};
 use crate::solid::Solids;
 use crate::state::State;
-use meniscus_numerics::grid::{Runs, Sampler, Segment};
+use meniscus_numerics::grid::{Runs, Sampler, Segment, scatter_segments};
 use meniscus_numerics::level_set::{interface_gradient_norm, redistance};
 use meniscus_numerics::{Vector, par};
 use rayon::prelude::*;
@@ -42,7 +42,7 @@ pub fn move_interface<const D: usize>(
     let model = solids_before.model;
     let values = advect_interface(model, &state.phi, &work.band, &state.velocity, &work.cut_cells, dt);
     work.keep_phi(&state.phi);
-    unpack(&mut state.phi, &work.band.segments, &values);
+    scatter_segments(&mut state.phi.data, model.grid.cells[0], &work.band.segments, &values);
     let extended = extend_into_solids(state, &work.band, &work.cut_cells, solids_before, &work.surfaces);
     (work.non_distance_cells, work.overwritten_phi) = (extended.non_distance_cells, extended.overwritten_phi);
     let displacement_cells = max_velocity_component(model, state, work) * dt / model.grid.dx;
