@@ -45,7 +45,7 @@ struct SolidDualCell {
     /// Whether a line there is pinned.
     pinned: bool,
     /// The dual cell when it is full of liquid, with Young's angle.
-    flooded: OnceLock<DualCell>,
+    flooded: OnceLock<Box<DualCell>>,
 }
 
 impl<const D: usize> DualGrid<D> {
@@ -232,8 +232,8 @@ impl<const D: usize> DualGrid<D> {
 
     /// A dual cell that a solid cuts when it is full of liquid. Several phases of a step read it.
     fn flooded(&self, dry: &SolidDualCell, at: [usize; D]) -> DualCell {
-        let flooded = || self.cut_with_angle(dry, &[-1.0; 8], at, (dry.young_cosine, false));
-        dry.flooded.get_or_init(flooded).clone()
+        let flooded = || Box::new(self.cut_with_angle(dry, &[-1.0; 8], at, (dry.young_cosine, false)));
+        dry.flooded.get_or_init(flooded).as_ref().clone()
     }
 
     /// Computes a dual cell that a solid cuts.

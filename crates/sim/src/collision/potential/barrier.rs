@@ -90,23 +90,21 @@ impl<'a, const D: usize> Potential<'a, D> {
         }
     }
 
-    /// Active contacts at the positions `at`.
-    pub fn contacts(&self, candidates: &CandidatePairs, at: &[Vector<D>]) -> Vec<Contact> {
+    /// Active contacts at a time level.
+    fn contacts(&self, candidates: &CandidatePairs, now: &TimeLevel<'_, D>) -> Vec<Contact> {
+        if candidates.feature_pairs.is_empty() {
+            return Vec::new();
+        }
         let solid = |p: u32| self.points.owners[p as usize].solid();
-        candidates.feature_pairs.contacts(self.barrier.activation_distance, at, |p, q| {
+        candidates.feature_pairs.contacts(self.barrier.activation_distance, now.positions(), |p, q| {
             self.barrier_stiffness(solid(p), Some(solid(q)))
         })
     }
 
     /// Contact of a point with a rigid solid or side; `None` beyond the activation distance.
-    pub fn sdf_contact(
-        &self,
-        meeting: &SdfPair,
-        places: &Configuration<'_, D>,
-        at: &[Vector<D>],
-    ) -> Option<SdfContact<D>> {
-        let point = meeting.point();
-        let x = &at[point as usize];
+    pub fn sdf_contact(&self, meeting: &SdfPair, now: &TimeLevel<'_, D>) -> Option<SdfContact<D>> {
+        let (point, places) = (meeting.point(), &now.configuration);
+        let x = &now.positions()[point as usize];
         let distance = meeting.distance(places, x) - self.points.thickness(meeting);
         if distance >= self.point_barrier(point).activation_distance {
             return None;
@@ -124,14 +122,14 @@ impl<'a, const D: usize> Potential<'a, D> {
     /// Pairs that use the early time level with these velocities.
     pub fn find_early_pairs(&self, velocities: &[Vector<D>], candidates: &CandidatePairs) -> EarlyPairs {
         let moments = self.time_levels(velocities);
-        let contacts = self.contacts(candidates, &moments.early.positions).into_iter();
+        let contacts = self.contacts(candidates, &moments.early).into_iter();
         let meetings = candidates.sdf_pairs.iter().copied();
         let far = |m: &SdfPair, now: &TimeLevel<'_, D>| {
-            m.distance(&now.configuration, &now.positions[m.point() as usize])
+            m.distance(&now.configuration, &now.positions()[m.point() as usize])
         };
         EarlyPairs {
             contacts: contacts
-                .filter(|c| moments.is_early(|m| c.distance(&m.positions)))
+                .filter(|c| moments.is_early(|m| c.distance(m.positions())))
                 .map(|c| c.stencil)
                 .collect(),
             sdf_pairs: meetings.filter(|m| moments.is_early(|now| far(m, now))).collect(),
@@ -140,7 +138,7 @@ impl<'a, const D: usize> Potential<'a, D> {
 
     /// Active contacts that use this time level.
     pub fn active_contacts(&self, candidates: &CandidatePairs, felt: &BarrierLevel<'_, D>) -> Vec<Contact> {
-        let mut contacts = self.contacts(candidates, &felt.time_level().positions);
+        let mut contacts = self.contacts(candidates, felt.time_level());
         contacts.retain(|c| self.early_pairs.contacts.contains(&c.stencil) == felt.early);
         contacts
     }
@@ -148,7 +146,7 @@ impl<'a, const D: usize> Potential<'a, D> {
     /// Contact of a point with a rigid solid or side, if the pair uses this time level.
     pub fn active_sdf_contact(&self, meeting: &SdfPair, felt: &BarrierLevel<'_, D>) -> Option<SdfContact<D>> {
         let (now, felt_now) = (felt.time_level(), self.early_pairs.sdf_pairs.contains(meeting) == felt.early);
-        if felt_now { self.sdf_contact(meeting, &now.configuration, &now.positions) } else { None }
+        if felt_now { self.sdf_contact(meeting, now) } else { None }
     }
 
     /// Sum of the barriers' energies over the times to their levels, W (2D: W/m): up to a constant the mean power that they store.
@@ -157,7 +155,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         let of = |felt: &BarrierLevel<'_, D>| {
             let now = felt.time_level();
             let between: f64 =
-                self.active_contacts(candidates, felt).iter().map(|c| c.energy(&now.positions)).sum();
+                self.active_contacts(candidates, felt).iter().map(|c| c.energy(now.positions())).sum();
             let met = |m: &&SdfPair| self.early_pairs.sdf_pairs.contains(m) == felt.early;
             let stored =
                 candidates.sdf_pairs.iter().filter(met).map(|m| self.sdf_barrier_energy(m, now)).sum::<f64>();
@@ -169,15 +167,15 @@ impl<'a, const D: usize> Potential<'a, D> {
     /// Energy of the barriers in the current configuration, J (2D: J/m).
     pub fn barrier_energy(&self, candidates: &CandidatePairs) -> f64 {
         let now = &self.old_levels.start;
-        let contacts = self.contacts(candidates, &now.positions);
-        let between: f64 = contacts.iter().map(|c| c.energy(&now.positions)).sum();
+        let contacts = self.contacts(candidates, now);
+        let between: f64 = contacts.iter().map(|c| c.energy(now.positions())).sum();
         between + candidates.sdf_pairs.iter().map(|m| self.sdf_barrier_energy(m, now)).sum::<f64>()
     }
 
     /// Energy of the barrier between a point and a rigid solid or side, J (2D: J/m).
     fn sdf_barrier_energy(&self, meeting: &SdfPair, now: &TimeLevel<'_, D>) -> f64 {
         let point = meeting.point();
-        let distance = meeting.distance(&now.configuration, &now.positions[point as usize])
+        let distance = meeting.distance(&now.configuration, &now.positions()[point as usize])
             - self.points.thickness(meeting);
         let energy = self.point_barrier(point).derivatives_by_distance(distance)[0];
         if energy > 0.0 { self.barrier_force_scale(meeting) * energy } else { 0.0 }
@@ -216,7 +214,7 @@ impl<'a, const D: usize> Potential<'a, D> {
         let (owners, time) = (&self.points.owners, now.configuration.time());
         let lever = |p: u32| now.configuration.node_jacobians(&owners[p as usize]);
         let of_contact = |c: &Contact| {
-            let derivatives = c.derivatives(&now.positions)?;
+            let derivatives = c.derivatives(now.positions())?;
             let derivatives = if positive { derivatives.projected_psd() } else { derivatives };
             Some(PotentialTerm {
                 node_jacobians: c.stencil.points().iter().map(|p| lever(*p)).collect(),

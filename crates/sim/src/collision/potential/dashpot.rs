@@ -63,8 +63,7 @@ impl<const D: usize> Potential<'_, D> {
             return None;
         }
         let start = &self.old_levels.start;
-        let SdfContact { point, distance, normal, other } =
-            self.sdf_contact(meeting, &start.configuration, &start.positions)?;
+        let SdfContact { point, distance, normal, other } = self.sdf_contact(meeting, start)?;
         let [_, _, bend] = self.point_barrier(point).derivatives_by_distance(distance);
         let coefficient = excess * self.barrier_force_scale(meeting) * bend;
         let node_jacobians = [Some(*owner), other]

@@ -3,7 +3,7 @@
 use super::barrier::SdfContact;
 use super::incremental_potential::Potential;
 use super::slips::{ContactKey, FrictionContact, Slip, Slips, friction_law};
-use super::time_levels::{BarrierLevel, TimeLevel};
+use super::time_levels::BarrierLevel;
 use crate::collision::broad_phase::CandidatePairs;
 use crate::collision::configuration::Configuration;
 use crate::collision::points::{PointOwner, SdfPair};
@@ -79,7 +79,7 @@ impl<const D: usize> Potential<'_, D> {
         felt: &BarrierLevel<'_, D>,
         candidates: &CandidatePairs,
     ) -> Vec<FrictionContact<D>> {
-        let TimeLevel { configuration, positions } = felt.time_level();
+        let now = felt.time_level();
         let owners = &self.points.owners;
         let mut rubs = Vec::new();
         for c in self.active_contacts(candidates, felt) {
@@ -88,7 +88,7 @@ impl<const D: usize> Potential<'_, D> {
             let (first, second) =
                 (owners[points[0] as usize], owners[points[c.stencil.kind.first_count()] as usize]);
             let coefficient = self.friction_coefficient(first.solid(), Some(second.solid()));
-            let Some(rubbing) = FrictionPair::new(&c, coefficient, positions) else { continue };
+            let Some(rubbing) = FrictionPair::new(&c, coefficient, now.positions()) else { continue };
             let mut own = [first; 4];
             own.iter_mut().zip(points).for_each(|(o, p)| *o = owners[*p as usize]);
             if let PointOwner::Rigid { solid, .. } = first {
@@ -97,9 +97,9 @@ impl<const D: usize> Potential<'_, D> {
                     .iter()
                     .zip(rubbing.weights)
                     .skip(1)
-                    .map(|(p, w)| positions[*p as usize] * -w)
+                    .map(|(p, w)| now.positions()[*p as usize] * -w)
                     .sum();
-                own[0] = PointOwner::Rigid { solid, at: configuration.to_reference(solid, &on) };
+                own[0] = PointOwner::Rigid { solid, at: now.configuration.to_reference(solid, &on) };
             }
             let mut stencil = c.stencil;
             stencil.points = [0, 1, 2, 3];
@@ -121,7 +121,7 @@ impl<const D: usize> Potential<'_, D> {
         meeting: &SdfPair,
         damped: f64,
     ) -> Option<FrictionContact<D>> {
-        let TimeLevel { configuration, positions } = felt.time_level();
+        let now = felt.time_level();
         let SdfContact { point, distance, normal, other } = self.active_sdf_contact(meeting, felt)?;
         let owner = self.points.owners[point as usize];
         let (solid, other) = (owner.solid(), other.map(|o| o.solid()));
@@ -131,8 +131,8 @@ impl<const D: usize> Potential<'_, D> {
         if friction_limit <= 0.0 {
             return None;
         }
-        let place = self.friction_point(meeting, positions[point as usize], distance, normal);
-        let at_place = |solid| PointOwner::Rigid { solid, at: configuration.to_reference(solid, &place) };
+        let place = self.friction_point(meeting, now.positions()[point as usize], distance, normal);
+        let at_place = |solid| PointOwner::Rigid { solid, at: now.configuration.to_reference(solid, &place) };
         let mut owners = [owner; 4];
         if let PointOwner::Rigid { .. } = owner {
             owners = [at_place(solid); 4];

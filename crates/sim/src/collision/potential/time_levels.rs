@@ -7,13 +7,14 @@ use crate::solid::SolidState;
 use meniscus_contact::Stencil;
 use meniscus_numerics::Vector;
 use std::collections::BTreeSet;
+use std::sync::OnceLock;
 
 /// Configuration of the solids at a time.
 pub struct TimeLevel<'a, const D: usize> {
     /// The solids.
     pub configuration: Configuration<'a, D>,
-    /// Positions of all points, m.
-    pub positions: Vec<Vector<D>>,
+    /// Positions of all points, m, once they have been asked for.
+    positions: OnceLock<Vec<Vector<D>>>,
 }
 
 /// The two time levels that do not depend on the new velocities.
@@ -92,6 +93,11 @@ impl<'a, const D: usize> BarrierLevel<'a, D> {
 
 impl<'a, const D: usize> TimeLevel<'a, D> {
     pub(super) fn new(configuration: Configuration<'a, D>) -> Self {
-        Self { positions: configuration.positions(), configuration }
+        Self { configuration, positions: OnceLock::new() }
+    }
+
+    /// Positions of all points, m.
+    pub fn positions(&self) -> &[Vector<D>] {
+        self.positions.get_or_init(|| self.configuration.positions())
     }
 }
