@@ -21,7 +21,8 @@ pub use tiles::{TILE_CELLS, Tiles};
 pub use velocity_extension::VelocityExtension;
 
 use crate::Vector;
-use crate::lanes::{Lanes, VectorLanes};
+use crate::each_lanes;
+use crate::lanes::{Instructions, Lanes, VectorLanes};
 
 /// A box of cubic cells that contains the domain; the domain's lower corner is the origin.
 ///
@@ -189,22 +190,22 @@ impl<const D: usize> Grid<D> {
 
     /// Centres of consecutive cells of a row, m, from `at` on.
     #[inline(always)]
-    pub fn centers(&self, at: [usize; D]) -> VectorLanes<D> {
-        self.points_of_row(at, [0.5; D])
+    pub fn centers<I: Instructions>(&self, with: I, at: [usize; D]) -> VectorLanes<I, D> {
+        self.points_of_row(with, at, [0.5; D])
     }
 
     /// Centres of consecutive faces normal to `axis` of a row, m, from `at` on.
     #[inline(always)]
-    pub fn face_centers(&self, axis: usize, at: [usize; D]) -> VectorLanes<D> {
-        self.points_of_row(at, std::array::from_fn(|a| if a == axis { 0.0 } else { 0.5 }))
+    pub fn face_centers<I: Instructions>(&self, with: I, axis: usize, at: [usize; D]) -> VectorLanes<I, D> {
+        self.points_of_row(with, at, std::array::from_fn(|a| if a == axis { 0.0 } else { 0.5 }))
     }
 
     #[inline(always)]
-    fn points_of_row(&self, at: [usize; D], shift: [f64; D]) -> VectorLanes<D> {
-        VectorLanes(std::array::from_fn(|a| {
-            let first = Lanes::splat(at[a] as f64 + shift[a]);
-            let place = if a == 0 { first + Lanes::from_fn(|l| l as f64) } else { first };
-            (place - Lanes::splat(self.margin_cells[a][0] as f64)) * self.dx
+    fn points_of_row<I: Instructions>(&self, with: I, at: [usize; D], shift: [f64; D]) -> VectorLanes<I, D> {
+        VectorLanes(each_lanes!(with, |a| {
+            let first = Lanes::splat(with, at[a] as f64 + shift[a]);
+            let place = if a == 0 { first + Lanes::from_fn(with, |l| l as f64) } else { first };
+            (place - Lanes::splat(with, self.margin_cells[a][0] as f64)) * self.dx
         }))
     }
 }

@@ -1,7 +1,7 @@
 //! Curvature of the zero set of a signed distance.
 
 use crate::grid::Sampler;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{Compiled, LANES, Lanes};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Fourth-order differences: first derivative, second derivative.
@@ -31,7 +31,7 @@ impl Number for f64 {
     }
 }
 
-impl Number for Lanes {
+impl Number for Lanes<Compiled> {
     #[inline(always)]
     fn root(self) -> Self {
         self.sqrt()
@@ -55,9 +55,11 @@ pub fn curvatures<const D: usize>(
     dx: f64,
     cells: [[usize; D]; LANES],
 ) -> [Option<f64>; LANES] {
-    let Some(values) = phi.values_around(cells, 2) else { return cells.map(|cell| curvature(phi, dx, cell)) };
+    let Some(values) = phi.values_around(Compiled, cells, 2) else {
+        return cells.map(|cell| curvature(phi, dx, cell));
+    };
     let [slope, area, kappa] =
-        parallel_curvature(|shift| values(shift) / dx, Lanes::splat(1.0)).map(Lanes::to_array);
+        parallel_curvature(|shift| values(shift) / dx, Lanes::splat(Compiled, 1.0)).map(Lanes::to_array);
     std::array::from_fn(|l| accepted([slope[l], area[l], kappa[l]], dx))
 }
 

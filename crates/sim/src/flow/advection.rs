@@ -1,30 +1,14 @@
 //! Semi-Lagrangian advection of the interface and the velocity along third-order Runge–Kutta paths.
 
+use super::paths::{Beside, CellPaths, departure_point, pack};
 use crate::model::Model;
 use meniscus_numerics::grid::{
-    Band, CellField, CutCells, FaceField, Grid, Lattice, Runs, Sampler, Segment, VelocitySampler,
+    Band, CellField, CutCells, FaceField, Grid, Runs, Sampler, Segment, VelocitySampler,
 };
-use meniscus_numerics::lanes::{ALL_LANES, LANES, Lanes, VectorLanes};
+use meniscus_numerics::lanes::{
+    ALL_LANES, Instructions, LANES, LaneWork, Lanes, VectorLanes, run_with_widest,
+};
 use meniscus_numerics::{Vector, par};
-use std::ops::{Add, Mul, Sub};
-
-/// Vectors, of one point or of the points in all lanes.
-trait Linear: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> {}
-impl<V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>> Linear for V {}
-
-/// Terms of second and third order in `dt` of the displacement, m, along the path that arrives at `x` with the velocity `arrival`, by Ralston's
-/// third-order Runge–Kutta method. The term of first order is `dt · arrival`.
-#[inline(always)]
-fn path_bend<V: Linear>(x: V, arrival: V, dt: f64, velocity: impl Fn(&V) -> V) -> V {
-    let second = velocity(&(x - arrival * (0.5 * dt)));
-    let third = velocity(&(x - second * (0.75 * dt)));
-    ((second - arrival) * 3.0 + (third - arrival) * 4.0) * (dt / 9.0)
-}
-
-/// Departure point of the path that arrives at `x` with the velocity `arrival` after `dt`.
-fn departure_point<V: Linear>(x: V, arrival: V, dt: f64, velocity: impl Fn(&V) -> V) -> V {
-    x - arrival * dt - path_bend(x, arrival, dt, velocity)
-}
 
 /// Distance from the interface, in cells, within which paths use cubic interpolation of the velocity.
 const CUBIC_INTERPOLATION_DISTANCE_CELLS: f64 = 2.5;
@@ -58,51 +42,95 @@ pub fn advect_interface<const D: usize>(
     let (lattice, first_layer) = (grid.lattice(), band.first_layers(1).end);
     let packed = pack(&band.segments);
     let mut values = vec![0.0; packed.last().map_or(0, |s| s.end)];
+    let inputs = InterfaceInputs { grid, flow: &flow, distance: &distance, phi, band, first_layer, cut, dt };
     par::for_each_segment(&mut values, 0, &packed, |s, part| {
         let from = &band.segments[s.row];
         let mut at = lattice.coordinates(from.row * lattice.extent[0]);
-        for i in (0..part.len()).step_by(LANES) {
-            at[0] = from.start + i;
-            let cell = lattice.index(at);
-            let departure = departure_points(&flow, grid, at, Lanes::load(&phi.data, cell), dt);
-            distance.distance_lanes(&departure).store(part, i);
-            let departure = departure.to_array();
-            for (l, value) in part[i..].iter_mut().enumerate().take(LANES) {
-                let (cell, mut at) = (cell + l, at);
-                at[0] += l;
-                let is_at_interface = band.slot(cell).is_some_and(|slot| slot < first_layer);
-                if is_at_interface
-                    && phi.data[cell] >= 0.0
-                    && distance.gradient(at).norm() < RIDGE_GRADIENT_NORM
-                {
-                    *value = nearer_front(&flow, &distance, grid, phi, at, dt);
-                } else if (0.0..STENCIL_REACH_CELLS).contains(&cut.distance_cells(cell)) {
-                    *value = distance.distance_on_side(&departure[l], |first| own_side(cut, at, first));
-                }
-            }
-        }
+        at[0] = from.start;
+        run_with_widest(InterfaceSegment { inputs: &inputs, at, part });
     });
     values
 }
 
+/// What the advection of the interface reads.
+struct InterfaceInputs<'a, const D: usize> {
+    grid: &'a Grid<D>,
+    flow: &'a VelocitySampler<'a, D>,
+    distance: &'a Sampler<'a, D>,
+    phi: &'a CellField<D>,
+    band: &'a Band<D>,
+    /// Number of cells in the first layer of the band.
+    first_layer: usize,
+    cut: &'a CutCells<D>,
+    dt: f64,
+}
+
+/// Values of φ in consecutive cells of the band, from `at` on.
+struct InterfaceSegment<'a, const D: usize> {
+    inputs: &'a InterfaceInputs<'a, D>,
+    at: [usize; D],
+    part: &'a mut [f64],
+}
+
+impl<const D: usize> LaneWork for InterfaceSegment<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self, with: I) {
+        let Self { inputs, mut at, part } = self;
+        let InterfaceInputs { grid, flow, distance, phi, dt, .. } = *inputs;
+        let (lattice, start) = (grid.lattice(), at[0]);
+        for i in (0..part.len()).step_by(LANES) {
+            at[0] = start + i;
+            let cell = lattice.index(at);
+            let departure = departure_points(flow, grid, at, Lanes::load(with, &phi.data, cell), dt);
+            distance.distance_lanes(&departure).store(part, i);
+            for (l, (value, departure)) in part[i..].iter_mut().zip(departure.to_array()).enumerate() {
+                let mut at = at;
+                at[0] += l;
+                inputs.correct(value, cell + l, at, &departure);
+            }
+        }
+    }
+}
+
+impl<const D: usize> InterfaceInputs<'_, D> {
+    /// Replaces the advected value between two fronts, and where the stencil may see the surface of the other side of a solid.
+    fn correct(&self, value: &mut f64, cell: usize, at: [usize; D], departure: &Vector<D>) {
+        let is_at_interface = self.band.slot(cell).is_some_and(|slot| slot < self.first_layer);
+        if is_at_interface
+            && self.phi.data[cell] >= 0.0
+            && self.distance.gradient(at).norm() < RIDGE_GRADIENT_NORM
+        {
+            *value = nearer_front(self.flow, self.distance, self.grid, self.phi, at, self.dt);
+        } else if (0.0..STENCIL_REACH_CELLS).contains(&self.cut.distance_cells(cell)) {
+            *value = self.distance.distance_on_side(departure, |first| own_side(self.cut, at, first));
+        }
+    }
+}
+
 /// Departure points of the paths that arrive at consecutive cells of a row, from `at` on, where φ has the values `phi`.
 #[inline(always)]
-fn departure_points<const D: usize>(
+fn departure_points<I: Instructions, const D: usize>(
     flow: &VelocitySampler<'_, D>,
     grid: &Grid<D>,
     at: [usize; D],
-    phi: Lanes,
+    phi: Lanes<I>,
     dt: f64,
-) -> VectorLanes<D> {
-    let x = grid.centers(at);
-    let is_near = phi.abs().less_than(Lanes::splat(CUBIC_INTERPOLATION_DISTANCE_CELLS * grid.dx));
-    let near = || departure_point(x, flow.cubic_at_cells(at), dt, |x| flow.cubic_lanes(x));
-    let far = || departure_point(x, flow.at_cells(at), dt, |x| flow.linear_lanes(x));
-    match is_near.bits() {
-        ALL_LANES => near(),
-        0 => far(),
-        _ => VectorLanes::select(is_near, near(), far()),
+) -> VectorLanes<I, D> {
+    let with = phi.instructions();
+    let x = grid.centers(with, at);
+    let is_near = phi.abs().less_than(Lanes::splat(with, CUBIC_INTERPOLATION_DISTANCE_CELLS * grid.dx));
+    let bits = is_near.bits();
+    let mut departure = x;
+    if bits != 0 {
+        departure = departure_point(x, flow.cubic_at_cells(with, at), dt, |x| flow.cubic_lanes(x));
     }
+    if bits != ALL_LANES {
+        let far = departure_point(x, flow.at_cells(with, at), dt, |x| flow.linear_lanes(x));
+        departure = VectorLanes::select(is_near, departure, far);
+    }
+    departure
 }
 
 /// Advected value of φ in an air cell between two fronts: that of the nearer front, which moves with its liquid cell.
@@ -159,19 +187,20 @@ impl<const D: usize> Depths<'_, D> {
     /// correction hold the interface against an inflow, the path would begin beyond it, in the extrapolated velocity. With the slope `s`
     /// behind the surface and the Courant number `c`, the velocity would grow by `c s` in each step, without a bound (experiment E7).
     #[inline(always)]
-    fn corrected(
+    fn corrected<I: Instructions>(
         &self,
-        departure: VectorLanes<D>,
+        departure: VectorLanes<I, D>,
         axis: usize,
         face: [usize; D],
         count: usize,
-    ) -> VectorLanes<D> {
+    ) -> VectorLanes<I, D> {
+        let with = departure.instructions();
         let is_deep = self.are_deep(&departure, face);
         if is_deep & ((1 << count) - 1) == (1 << count) - 1 {
             return departure;
         }
         let (departure, first) = (departure.to_array(), face[0]);
-        VectorLanes::from_fn(|l| {
+        VectorLanes::from_fn(with, |l| {
             if l >= count || is_deep >> l & 1 == 1 {
                 return departure[l];
             }
@@ -184,17 +213,18 @@ impl<const D: usize> Depths<'_, D> {
     /// The bits of the lanes whose departure points are certainly too deep for a correction. Away from solids φ is a distance, which
     /// changes by no more than the way, and of which linear interpolation is off by less than a cell.
     #[inline(always)]
-    fn are_deep(&self, departure: &VectorLanes<D>, face: [usize; D]) -> u32 {
+    fn are_deep<I: Instructions>(&self, departure: &VectorLanes<I, D>, face: [usize; D]) -> u32 {
+        let with = departure.instructions();
         let grid = &self.cut.open_fraction.grid;
-        let deep = Lanes::splat(-(EXTRAPOLATION_REACH_CELLS + 1.0) * grid.dx);
+        let deep = Lanes::splat(with, -(EXTRAPOLATION_REACH_CELLS + 1.0) * grid.dx);
         let mut at: [usize; D] = std::array::from_fn(|a| face[a].min(grid.cells[a] - 1));
         at[0] = 0;
         let (row, last) = (grid.lattice().index(at), grid.cells[0] - 1);
         at[0] = face[0];
         let mut is_deep = 0;
         if face[0] + LANES <= last {
-            let depth = Lanes::load(&self.cells_before.data, row + face[0]);
-            is_deep = (depth + (*departure - grid.centers(at)).norms()).less_than(deep).bits();
+            let depth = Lanes::load(with, &self.cells_before.data, row + face[0]);
+            is_deep = (depth + (*departure - grid.centers(with, at)).norms()).less_than(deep).bits();
         }
         if is_deep != ALL_LANES {
             is_deep |= self.before.linear_lanes(departure).less_than(deep).bits();
@@ -219,47 +249,6 @@ impl<const D: usize> Depths<'_, D> {
     }
 }
 
-/// The bends of the paths that arrive at the centres of the liquid's cells and of those beside them ([`path_bend`]).
-struct CellPaths<const D: usize> {
-    segments: Vec<Segment>,
-    /// The segments packed one behind the other.
-    packed: Vec<Segment>,
-    /// The components, m, one behind the other.
-    bends: Vec<f64>,
-}
-
-impl<const D: usize> CellPaths<D> {
-    fn new(grid: &Grid<D>, flow: &VelocitySampler<'_, D>, liquid: &Runs, dt: f64) -> Self {
-        let segments = liquid.with_neighbours(grid);
-        let (packed, lattice) = (pack(&segments), grid.lattice());
-        let length = packed.last().map_or(0, |s| s.end);
-        let mut bends = vec![0.0; D * length];
-        par::map_component_segments(&mut bends, length, &packed, |number, s, mut parts: [&mut [f64]; D]| {
-            let from = &segments[number];
-            let mut at = lattice.coordinates(from.row * lattice.extent[0]);
-            for i in (0..s.end - s.start).step_by(LANES) {
-                at[0] = from.start + i;
-                let bend = path_bend(grid.centers(at), flow.at_cells(at), dt, |x| flow.linear_lanes(x));
-                parts.iter_mut().zip(&bend.0).for_each(|(part, values)| values.store(part, i));
-            }
-        });
-        Self { segments, packed, bends }
-    }
-
-    /// The components of the bends of cells of a row from `start` on.
-    fn from(&self, row: usize, start: usize) -> [&[f64]; D] {
-        let next = self.segments.partition_point(|s| (s.row, s.start) <= (row, start));
-        match next.checked_sub(1).map(|i| (&self.segments[i], &self.packed[i])) {
-            Some((s, packed)) if s.row == row && start < s.end => {
-                let length = self.bends.len() / D;
-                let cells = packed.start + start - s.start..packed.end;
-                std::array::from_fn(|a| &self.bends[a * length + cells.start..a * length + cells.end])
-            }
-            _ => [&[]; D],
-        }
-    }
-}
-
 /// The cells of the liquid and their faces.
 #[derive(Clone, Copy)]
 pub struct LiquidFaces<'a, const D: usize> {
@@ -267,48 +256,6 @@ pub struct LiquidFaces<'a, const D: usize> {
     pub cells: &'a Runs,
     /// Their faces normal to each axis.
     pub faces: &'a [Vec<Segment>; D],
-}
-
-/// The bends of the cells on both sides of the faces of a row, component by component.
-struct Beside<'a, const D: usize> {
-    lower: [&'a [f64]; D],
-    upper: [&'a [f64]; D],
-    /// Number of faces at the start of the row without a lower cell.
-    without_lower: usize,
-}
-
-impl<'a, const D: usize> Beside<'a, D> {
-    /// Beside the faces normal to `axis` from the place `at` on.
-    fn new(paths: &'a CellPaths<D>, cells: &Lattice<D>, axis: usize, mut at: [usize; D]) -> Self {
-        let of = |at: [usize; D]| paths.from(cells.index(at) / cells.extent[0], at[0]);
-        let has_upper = axis == 0 || at[axis] < cells.extent[axis];
-        let upper = if has_upper { of(at) } else { [&[][..]; D] };
-        let without_lower = usize::from(axis == 0 && at[0] == 0);
-        let has_lower = axis == 0 || at[axis] > 0;
-        at[axis] = at[axis].saturating_sub(1);
-        Self { lower: if has_lower { of(at) } else { [&[][..]; D] }, upper, without_lower }
-    }
-
-    /// The mean bends beside the faces from `i` on.
-    #[inline(always)]
-    fn mean_bends(&self, i: usize) -> VectorLanes<D> {
-        VectorLanes(std::array::from_fn(|a| {
-            let (lower, upper) = (self.lower[a], self.upper[a]);
-            if let Some(first) = i.checked_sub(self.without_lower)
-                && first + LANES <= lower.len()
-                && i + LANES <= upper.len()
-            {
-                return (Lanes::load(lower, first) + Lanes::load(upper, i)) * 0.5;
-            }
-            Lanes::from_fn(|l| {
-                let lower = (i + l).checked_sub(self.without_lower).and_then(|i| lower.get(i));
-                match (lower, upper.get(i + l)) {
-                    (Some(lower), Some(upper)) => (lower + upper) * 0.5,
-                    (one, other) => one.or(other).copied().unwrap_or(0.0),
-                }
-            })
-        }))
-    }
 }
 
 /// Advected velocity on the faces of the `liquid`: one list of values per axis, segment after segment. `phi` is the signed distance before
@@ -338,31 +285,49 @@ pub fn advect_velocity<const D: usize>(
             let mut at = lattice.coordinates(from.row * lattice.extent[0]);
             at[0] = from.start;
             let beside = Beside::new(&paths, &cells, axis, at);
-            for i in (0..part.len()).step_by(LANES) {
-                at[0] = from.start + i;
-                let departure =
-                    grid.face_centers(axis, at) - flow.at_faces(axis, at) * dt - beside.mean_bends(i);
-                let count = LANES.min(part.len() - i);
-                let departure = depths.corrected(departure, axis, at, count);
-                flow.component(axis).cubic_lanes(&departure).store(part, i);
-            }
+            run_with_widest(VelocitySegment {
+                grid,
+                flow: &flow,
+                depths: &depths,
+                beside,
+                axis,
+                dt,
+                at,
+                part,
+            });
         });
         values
     })
 }
 
-/// Packs segments one behind the other; `row` is the number of the segment.
-pub fn pack(segments: &[Segment]) -> Vec<Segment> {
-    let mut at = 0;
-    segments
-        .iter()
-        .enumerate()
-        .map(|(row, s)| {
-            let start = at;
-            at += s.end - s.start;
-            Segment { row, start, end: at }
-        })
-        .collect()
+/// Advected velocity on consecutive faces normal to `axis`, from `at` on.
+struct VelocitySegment<'a, const D: usize> {
+    grid: &'a Grid<D>,
+    flow: &'a VelocitySampler<'a, D>,
+    depths: &'a Depths<'a, D>,
+    beside: Beside<'a, D>,
+    axis: usize,
+    dt: f64,
+    at: [usize; D],
+    part: &'a mut [f64],
+}
+
+impl<const D: usize> LaneWork for VelocitySegment<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self, with: I) {
+        let Self { grid, flow, depths, beside, axis, dt, mut at, part } = self;
+        let start = at[0];
+        for i in (0..part.len()).step_by(LANES) {
+            at[0] = start + i;
+            let straight = grid.face_centers(with, axis, at) - flow.at_faces(with, axis, at) * dt;
+            let departure = straight - beside.mean_bends(with, i);
+            let count = LANES.min(part.len() - i);
+            let departure = depths.corrected(departure, axis, at, count);
+            flow.component(axis).cubic_lanes(&departure).store(part, i);
+        }
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 pub mod advection;
 pub mod outflow;
+pub mod paths;
 pub mod prescribed;
 pub mod pressure;
 pub mod viscosity;

@@ -6,7 +6,8 @@
 use super::diagnostics::max_velocity_component;
 use super::workspace::Workspace;
 use crate::components::volume::band_labels;
-use crate::flow::advection::{LiquidFaces, advect_interface, advect_velocity, pack};
+use crate::flow::advection::{LiquidFaces, advect_interface, advect_velocity};
+use crate::flow::paths::pack;
 use crate::free_surface::curvature::InterfaceDisplacement;
 use crate::free_surface::extension::extend_into_solids;
 use crate::model::Model;

@@ -3,6 +3,7 @@
 //! Cubic interpolation is Lagrange's through four points along each axis (fourth order). "Limited" means that the result
 //! is clamped to the range of the stencil's values, so that repeated sampling creates no new extrema.
 
+mod lane_sums;
 mod lanes;
 mod stencil;
 mod velocity;

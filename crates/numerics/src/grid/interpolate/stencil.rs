@@ -1,7 +1,7 @@
 //! The values around a point, and their sums with products of weights along the axes.
 
 use crate::Vector;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{Compiled, LANES, Lanes};
 
 /// The values around a point, four along each axis, the first axis varying fastest.
 pub(super) type Stencil = [[f64; 4]; 16];
@@ -66,13 +66,13 @@ pub(super) fn contract_with_gradient<const N: usize, const L: usize, const D: us
     weights: &AxisWeights<N>,
     slopes: &AxisWeights<N>,
 ) -> (f64, Vector<D>) {
-    let (mut value, mut across) = (Lanes::ZERO, [Lanes::ZERO; D]);
+    let (mut value, mut across) = (Lanes::splat(Compiled, 0.0), [Lanes::splat(Compiled, 0.0); D]);
     // The rows at one position along the last axis are summed first.
     for k in 0..N {
-        let (mut sum, mut turned) = (Lanes::ZERO, Lanes::ZERO);
+        let (mut sum, mut turned) = (Lanes::splat(Compiled, 0.0), Lanes::splat(Compiled, 0.0));
         for j in 0..N.pow(D as u32 - 2) {
             let row = window.row::<L>(if D == 3 { j } else { k }, if D == 3 { k } else { 0 });
-            let row = Lanes::load(row, 0);
+            let row = Lanes::load(Compiled, row, 0);
             let (weight, slope) = if D == 3 { (weights[j][1], slopes[j][1]) } else { (1.0, 0.0) };
             sum = sum + row * weight;
             turned = turned + row * slope;
@@ -94,12 +94,12 @@ pub(super) fn contract_rows<const N: usize, const L: usize, const D: usize>(
     window: &Window<'_>,
     weights: &AxisWeights<N>,
 ) -> f64 {
-    let mut value = Lanes::ZERO;
+    let mut value = Lanes::splat(Compiled, 0.0);
     for k in 0..N {
-        let mut sum = Lanes::ZERO;
+        let mut sum = Lanes::splat(Compiled, 0.0);
         for j in 0..N.pow(D as u32 - 2) {
             let row = window.row::<L>(if D == 3 { j } else { k }, if D == 3 { k } else { 0 });
-            sum = sum + Lanes::load(row, 0) * if D == 3 { weights[j][1] } else { 1.0 };
+            sum = sum + Lanes::load(Compiled, row, 0) * if D == 3 { weights[j][1] } else { 1.0 };
         }
         value = value + sum * weights[k][D - 1];
     }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::grid::FaceField;
-use crate::lanes::{LANES, Lanes, VectorLanes};
+use crate::lanes::{Compiled, Instructions, LANES, LaneWork, Lanes, VectorLanes, run_with_widest};
 
 fn cubic_is_exact<const D: usize>() {
     let grid = Grid::<D>::new([8; D], 0.25);
@@ -126,7 +126,7 @@ fn values_at_faces_and_centres_are_those_of_the_general_interpolation() {
 }
 
 /// Every lane has the bits of the interpolation at its point alone, wherever the points lie.
-fn lanes_are_single_points<const D: usize>() {
+fn lanes_are_single_points<I: Instructions, const D: usize>(with: I) {
     let grid = Grid::<D>::new(std::array::from_fn(|a| if a == 0 { 19 } else { 9 }), 0.5);
     let lattice = grid.lattice();
     let wave = |x: &Vector<D>| (1.3 * x[0] - 0.9 * x[D - 1]).sin() + 0.2 * x[1];
@@ -144,21 +144,21 @@ fn lanes_are_single_points<const D: usize>() {
     let flow = VelocitySampler::new(&grid, &velocity, normal);
     let [field, ridge] =
         [&field, &ridge].map(|data| Sampler::cells(&grid, data, [[BoundaryExtension::Even; 2]; D]));
-    let same = |lanes: &Lanes, l: usize, one: f64| lanes.to_array()[l].to_bits() == one.to_bits();
+    let same = |lanes: &Lanes<I>, l: usize, one: f64| lanes.to_array()[l].to_bits() == one.to_bits();
     for start in (0..lattice.len()).map(|i| lattice.coordinates(i)) {
         let cells = LANES.min(grid.cells[0] - start[0]);
-        let waves = VectorLanes::from_fn(|l| {
+        let waves = VectorLanes::from_fn(with, |l| {
             Vector::from_fn(|a, _| ((start[a] + 3 * a) as f64 + 0.21 * l as f64).sin())
         });
-        let x = grid.centers(start) + waves * 0.6;
+        let x = grid.centers(with, start) + waves * 0.6;
         let fields = [field.linear_lanes(&x), field.cubic_lanes(&x)];
         let distances = [field.distance_lanes(&x), ridge.distance_lanes(&x)];
         let flows = [flow.linear_lanes(&x), flow.cubic_lanes(&x)];
-        let centers = [flow.at_cells(start), flow.cubic_at_cells(start)];
+        let centers = [flow.at_cells(with, start), flow.cubic_at_cells(with, start)];
         for l in 0..cells {
             let (mut at, x) = (start, x.to_array()[l]);
             at[0] += l;
-            assert_eq!(grid.centers(start).to_array()[l], grid.center(at));
+            assert_eq!(grid.centers(with, start).to_array()[l], grid.center(at));
             assert!(
                 same(&fields[0], l, field.linear(&x)) && same(&fields[1], l, field.cubic(&x)),
                 "{D}D {at:?}"
@@ -171,10 +171,22 @@ fn lanes_are_single_points<const D: usize>() {
                 [flow.at_cell(at), flow.cubic_at_cell(at)]
             );
             for axis in 0..D {
-                assert_eq!(flow.at_faces(axis, start).to_array()[l], flow.at_face(axis, at));
-                assert_eq!(grid.face_centers(axis, start).to_array()[l], grid.face_center(axis, at));
+                assert_eq!(flow.at_faces(with, axis, start).to_array()[l], flow.at_face(axis, at));
+                assert_eq!(grid.face_centers(with, axis, start).to_array()[l], grid.face_center(axis, at));
             }
         }
+    }
+}
+
+/// [`lanes_are_single_points`], for each set of instructions.
+struct SinglePoints<const D: usize>;
+
+impl<const D: usize> LaneWork for SinglePoints<D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self, with: I) {
+        lanes_are_single_points::<I, D>(with);
     }
 }
 
@@ -186,19 +198,21 @@ fn what_is_not_a_number_stays_so_in_its_lane() {
     let x = |l: usize| Vector::from([if l == 3 { f64::NAN } else { 2.1 + l as f64 }, 5.2]);
     let edges = [[BoundaryExtension::Even; 2]; 2];
     let sampler = Sampler::cells(&grid, &data, edges);
-    let x = VectorLanes::from_fn(x);
+    let x = VectorLanes::from_fn(Compiled, x);
     for values in [sampler.linear_lanes(&x), sampler.cubic_lanes(&x), sampler.distance_lanes(&x)] {
         let found = values.to_array();
         assert!((0..LANES).all(|l| found[l].is_nan() == (l == 3)), "{found:?}");
     }
     data[grid.lattice().index([5, 5])] = f64::NAN;
     let sampler = Sampler::cells(&grid, &data, edges);
-    let x = VectorLanes::from_fn(|l| Vector::from([5.4 + 0.01 * l as f64, 5.2]));
+    let x = VectorLanes::from_fn(Compiled, |l| Vector::from([5.4 + 0.01 * l as f64, 5.2]));
     assert!(sampler.cubic_lanes(&x).to_array().iter().all(|v| v.is_nan()));
 }
 
 #[test]
 fn every_lane_has_the_bits_of_its_point_alone() {
-    lanes_are_single_points::<2>();
-    lanes_are_single_points::<3>();
+    SinglePoints::<2>.run(Compiled);
+    SinglePoints::<3>.run(Compiled);
+    run_with_widest(SinglePoints::<2>);
+    run_with_widest(SinglePoints::<3>);
 }

@@ -5,7 +5,7 @@
 //! stencil only one is resolved, that between the middle points.
 
 use super::stencil::{AxisWeights, Stencil, Window};
-use crate::lanes::Lanes;
+use crate::lanes::{Compiled, Lanes};
 
 /// Weights of the cubic through the points −1, 0, 1, 2 at `t`.
 pub(super) fn cubic_weights(t: f64) -> [f64; 4] {
@@ -103,11 +103,14 @@ pub(super) const QUINTIC_SCALE: [f64; 6] =
 /// Weights of the quintic through the points −2 ... 3 at `t`, and their derivatives, along each axis.
 #[inline(always)]
 pub(super) fn quintic_weights<const D: usize>(t: &[f64; D]) -> [AxisWeights<6>; 2] {
-    let t = Lanes::load(t, 0);
-    let away: [Lanes; 6] = std::array::from_fn(|i| t + Lanes::splat(2.0) - Lanes::splat(i as f64));
+    let t = Lanes::load(Compiled, t, 0);
+    let away: [Lanes<Compiled>; 6] =
+        std::array::from_fn(|i| t + Lanes::splat(Compiled, 2.0) - Lanes::splat(Compiled, i as f64));
     // Products of the distances to the points before and after each one, with derivatives.
-    let (mut before, mut after) =
-        ([[Lanes::splat(1.0), Lanes::ZERO]; 6], [[Lanes::splat(1.0), Lanes::ZERO]; 6]);
+    let (mut before, mut after) = (
+        [[Lanes::splat(Compiled, 1.0), Lanes::splat(Compiled, 0.0)]; 6],
+        [[Lanes::splat(Compiled, 1.0), Lanes::splat(Compiled, 0.0)]; 6],
+    );
     for i in 1..6 {
         let [p, dp] = before[i - 1];
         before[i] = [p * away[i - 1], dp * away[i - 1] + p];
@@ -122,10 +125,12 @@ pub(super) fn quintic_weights<const D: usize>(t: &[f64; D]) -> [AxisWeights<6>; 
 /// The largest third difference of the first four points of a window along each axis.
 #[inline(always)]
 pub(super) fn max_third_difference<const D: usize>(window: &Window<'_>) -> f64 {
-    let third = |a: Lanes, b: Lanes, c: Lanes, d: Lanes| ((b - c) * 3.0 + d - a).abs();
+    let third = |a: Lanes<Compiled>, b: Lanes<Compiled>, c: Lanes<Compiled>, d: Lanes<Compiled>| {
+        ((b - c) * 3.0 + d - a).abs()
+    };
     let row = |j: usize, k: usize| window.row::<4>(j, k);
-    let of = |j: usize, k: usize| Lanes::load(row(j, k), 0);
-    let (mut worst, mut along) = (Lanes::ZERO, [0.0f64; 4]);
+    let of = |j: usize, k: usize| Lanes::load(Compiled, row(j, k), 0);
+    let (mut worst, mut along) = (Lanes::splat(Compiled, 0.0), [0.0f64; 4]);
     for k in 0..if D == 3 { 4 } else { 1 } {
         worst = third(of(0, k), of(1, k), of(2, k), of(3, k)).max(worst);
         for j in 0..4 {
