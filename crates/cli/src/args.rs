@@ -343,7 +343,7 @@ pub enum Solids {
 /// `meniscus bench`.
 #[derive(Debug, Args)]
 pub struct BenchArgs {
-    /// What to time: pressure, step (both without it), table1 (the paper's table, long), precision (errors and cost for steps of several lengths, long).
+    /// Benchmarks to run: `pressure` solves, whole `step`s, `table1` of the paper, or `precision` (errors and cost of steps of several lengths). Without a name pressure and step run; the other two take long.
     pub names: Vec<String>,
     /// Small and short, to see that it works.
     #[arg(long)]

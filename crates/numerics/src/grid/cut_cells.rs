@@ -123,10 +123,23 @@ impl<const D: usize> CutCells<D> {
         for (solid, [low, high]) in solids.iter().zip(&self.solid_boxes) {
             let corner = |at: [usize; D]| tiles.is_active_corner(at).then(|| grid.lower_corner(at));
             let center = |at: [usize; D]| tiles.is_active(at).then(|| grid.center(at));
-            let corners = (corner_lattice(&grid), [*low, high.map(|n| n + 1)]);
-            let cells = (grid.lattice(), [*low, *high]);
-            take_min_distance(solid, grid.dx, corners, corner, &mut self.corner_distances_cells);
-            take_min_distance(solid, grid.dx, cells, center, &mut self.center_distances_cells);
+            let (corners, past) = (corner_lattice(&grid), high.map(|n| n + 1));
+            take_min_distance(
+                solid,
+                grid.dx,
+                corners,
+                [*low, past],
+                corner,
+                &mut self.corner_distances_cells,
+            );
+            take_min_distance(
+                solid,
+                grid.dx,
+                grid.lattice(),
+                [*low, *high],
+                center,
+                &mut self.center_distances_cells,
+            );
         }
         let faces: Vec<_> = self.solid_boxes.iter().map(|[low, high]| [*low, high.map(|n| n + 1)]).collect();
         self.open_tiles(&tiles.dilated().within(&faces));
@@ -403,11 +416,12 @@ fn corner_lattice<const D: usize>(grid: &Grid<D>) -> Lattice<D> {
 }
 
 /// Takes the minimum of `values` and the distance to a solid, in cells of `dx` (m), at the points of a box of a lattice. `place` returns
-/// the position of a point, or `None` to skip it.
+/// the position of a point, m, or `None` to skip it.
 fn take_min_distance<const D: usize>(
     solid: &EmbeddedBoundary<'_, D>,
     dx: f64,
-    (lattice, points): (Lattice<D>, [[usize; D]; 2]),
+    lattice: Lattice<D>,
+    points: [[usize; D]; 2],
     place: impl Fn([usize; D]) -> Option<Vector<D>> + Sync,
     values: &mut [f64],
 ) {

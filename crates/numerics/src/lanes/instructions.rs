@@ -79,7 +79,7 @@ pub fn run_with_widest<W: LaneWork>(work: W) -> W::Output {
     work.run(Compiled)
 }
 
-/// Work with its instructions.
+/// Work for any instructions, together with those that it is to use.
 struct WithInstructions<I, W> {
     with: I,
     work: W,

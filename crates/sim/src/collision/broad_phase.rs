@@ -1,7 +1,7 @@
 //! Broad phase of contact: pairs of features that may touch while all solids move from one configuration to another.
 
 use super::configuration::Configuration;
-use super::points::{CollisionPoints, SdfPair};
+use super::points::SdfPair;
 use meniscus_contact::FeaturePairs;
 use meniscus_numerics::Vector;
 
@@ -100,17 +100,18 @@ impl<const D: usize> Sweep<'_, D> {
 
     /// Whether boxes around rigid solids show that no point comes within `reach` (m) of another solid or a side; `false` if a solid deforms.
     fn are_solids_apart(&self, reach: f64) -> bool {
-        let Configuration { model, points, .. } = *self.from;
-        let all_rigid = model.solids.iter().all(|solid| solid.elastic().is_none());
-        let number = 0..model.solids.len();
-        all_rigid && number.into_iter().all(|k| self.is_apart(k, points, 2.0 * reach) == Some(true))
+        let solids = &self.from.model.solids;
+        solids.iter().all(|solid| solid.elastic().is_none())
+            && (0..solids.len()).all(|solid| self.is_apart(solid, reach).unwrap_or(false))
     }
 
-    /// Whether the points of a rigid solid keep a distance of `reach` (m), by the box around it. The length of the path of a point relative
-    /// to another solid is a convex function of its initial position, and thus largest at a corner of the box.
-    fn is_apart(&self, solid: usize, points: &CollisionPoints<D>, reach: f64) -> Option<bool> {
+    /// Whether the points of a rigid solid keep a distance of `reach` (m), by the box around it; `None` if a box is not bounded. The length of
+    /// the path of a point relative to another solid is a convex function of its initial position, and thus largest at a corner of the box.
+    fn is_apart(&self, solid: usize, reach: f64) -> Option<bool> {
         let (start, end) = (self.from.box_corners(solid)?, self.to.box_corners(solid)?);
-        let nearest_side = points
+        let nearest_side = self
+            .from
+            .points
             .domain_sides
             .iter()
             .flat_map(|side| start.iter().chain(&end).map(|corner| side.distance(corner)));

@@ -5,7 +5,6 @@ use crate::model::Model;
 use crate::solid::{RigidKinematics, SolidState, angular_from_node};
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
-use rayon::prelude::*;
 
 /// Step of the finite differences of a distance, in cells.
 const DIFFERENCE_STEP_CELLS: f64 = 1e-4;
@@ -94,9 +93,9 @@ impl<'a, const D: usize> Configuration<'a, D> {
         from + self.velocities[self.points.first_node[solid] + vertex] * self.time
     }
 
-    /// Positions of all points, m.
+    /// Positions of all points, m. This is a serial loop: a parallel one could wait for a task that waits for these positions.
     pub fn positions(&self) -> Vec<Vector<D>> {
-        self.points.owners.par_iter().with_min_len(1024).map(|owner| self.position(owner)).collect()
+        self.points.owners.iter().map(|owner| self.position(owner)).collect()
     }
 
     /// Bounding box of a rigid solid, m.

@@ -52,7 +52,7 @@ pub fn advect_interface<const D: usize>(
     values
 }
 
-/// What the advection of the interface reads.
+/// The fields and the step length from which the interface is advected.
 struct InterfaceInputs<'a, const D: usize> {
     grid: &'a Grid<D>,
     flow: &'a VelocitySampler<'a, D>,

@@ -232,13 +232,13 @@ impl<const D: usize> DualGrid<D> {
 
     /// A dual cell that a solid cuts when it is full of liquid. Several phases of a step read it.
     fn flooded(&self, dry: &SolidDualCell, at: [usize; D]) -> DualCell {
-        let flooded = || Box::new(self.cut_with_angle(dry, &[-1.0; 8], at, (dry.young_cosine, false)));
+        let flooded = || Box::new(self.cut_with_angle(dry, &[-1.0; 8], at, dry.young_cosine, false));
         dry.flooded.get_or_init(flooded).as_ref().clone()
     }
 
     /// Computes a dual cell that a solid cuts.
     fn dual_cell_with_solid(&self, dry: &SolidDualCell, values: &[f64; 8], at: [usize; D]) -> DualCell {
-        self.cut_with_angle(dry, values, at, (dry.contact_cosine, dry.pinned))
+        self.cut_with_angle(dry, values, at, dry.contact_cosine, dry.pinned)
     }
 
     /// The same with the cosine of the contact angle, and whether the line is pinned.
@@ -247,12 +247,13 @@ impl<const D: usize> DualGrid<D> {
         dry: &SolidDualCell,
         values: &[f64; 8],
         at: [usize; D],
-        angle: (f64, bool),
+        contact_cosine: f64,
+        pinned: bool,
     ) -> DualCell {
         let liquid = (0..1 << D).filter(|k| values[*k] < 0.0).fold(0u8, |bits, k| bits | 1 << k);
         let mut cube = DualCell::new(dry.corners, liquid & dry.open_corners);
         (cube.solid, cube.young_cosine) = (dry.solid, dry.young_cosine);
-        (cube.contact_cosine, cube.pinned) = angle;
+        (cube.contact_cosine, cube.pinned) = (contact_cosine, pinned);
         self.split.cut_with_solid(values, &dry.psi, &self.bond_vector_in(at), &mut cube);
         self.move_to_grid(&mut cube, at);
         cube
