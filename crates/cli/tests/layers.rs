@@ -266,14 +266,22 @@ fn files_name_each_other_in_no_circle() {
 
 /// The most entries of a folder of source files.
 const ENTRIES: usize = 12;
+/// The most lines of a source file.
+const LINES: usize = 500;
 
 #[test]
-fn folders_have_a_dozen_entries_at_most() {
+fn folders_have_a_dozen_entries_and_files_five_hundred_lines_at_most() {
     let of = |(name, _): &(&str, _)| ["src", "tests"].map(|part| root().join(name).join(part));
     let mut folders: Vec<PathBuf> = CRATES.iter().flat_map(of).filter(|folder| folder.is_dir()).collect();
+    folders.push(root().join("../examples"));
     while let Some(folder) = folders.pop() {
         let entries: Vec<PathBuf> = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path()).collect();
         assert!(entries.len() <= ENTRIES, "{} has {} entries", folder.display(), entries.len());
-        folders.extend(entries.into_iter().filter(|path| path.is_dir()));
+        let (inner, files): (Vec<_>, Vec<_>) = entries.into_iter().partition(|path| path.is_dir());
+        for file in files.iter().filter(|file| file.extension().is_some_and(|name| name == "rs")) {
+            let lines = std::fs::read_to_string(file).unwrap().lines().count();
+            assert!(lines <= LINES, "{} has {lines} lines", file.display());
+        }
+        folders.extend(inner);
     }
 }
