@@ -370,11 +370,13 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         if off >= limit || self.friction_updates == MAX_FRICTION_UPDATES {
             return (off, off < limit);
         }
-        self.potential.early_pairs = self.potential.find_early_pairs(&self.velocities, &self.candidates);
-        self.potential.friction_contacts =
-            self.potential.friction_contacts(&self.velocities, &self.candidates);
+        let early_pairs = self.potential.find_early_pairs(&self.velocities, &self.candidates);
+        let friction_contacts = self.potential.friction_contacts(&self.velocities, &self.candidates);
+        let has_friction = !friction_contacts.is_empty() || !self.potential.friction_contacts.is_empty();
+        let is_unchanged = !has_friction && early_pairs == self.potential.early_pairs;
+        (self.potential.early_pairs, self.potential.friction_contacts) = (early_pairs, friction_contacts);
         self.friction_updates += 1;
-        let off = self.next_step_size(response);
+        let off = if is_unchanged { off } else { self.next_step_size(response) };
         (off, off < FRICTION_LAG_TOLERANCE * limit)
     }
 

@@ -51,7 +51,7 @@ pub struct TimeLevels<'a, const D: usize> {
 
 /// The pairs whose barrier is evaluated at the time of the new velocities instead of the end of the coming step. The choice depends on
 /// the velocities and makes the potential discontinuous, so it is lagged, like the normal forces of friction.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct EarlyPairs {
     pub(super) contacts: BTreeSet<Stencil>,
     pub(super) sdf_pairs: BTreeSet<SdfPair>,
