@@ -110,3 +110,21 @@ fn pages_that_the_code_names_exist() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// Paragraphs shorter than this may recur, such as a line of a table's head.
+const SHORT_PARAGRAPH: usize = 160;
+
+#[test]
+fn no_paragraph_stands_twice() {
+    let mut seen: BTreeSet<String> = BTreeSet::new();
+    let mut twice = Vec::new();
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).unwrap();
+        for paragraph in text.split("\n\n").map(str::trim).filter(|p| p.len() >= SHORT_PARAGRAPH) {
+            if !seen.insert(paragraph.to_string()) {
+                twice.push(format!("{}: {}", page.display(), paragraph.lines().next().unwrap_or("")));
+            }
+        }
+    }
+    assert!(twice.is_empty(), "{}", twice.join("\n"));
+}
