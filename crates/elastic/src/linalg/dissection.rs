@@ -21,16 +21,22 @@ pub fn nested_dissection<const D: usize>(
         }
     }
     let mut dissection =
-        Dissection { positions, neighbours, in_second_half: vec![false; positions.len()], order: Vec::new() };
+        Dissection { positions, neighbours, in_other_half: vec![false; positions.len()], order: Vec::new() };
     dissection.divide(kept);
     dissection.order
+}
+
+/// A part without its separator, and the separator.
+struct Dissected {
+    separator: Vec<u32>,
+    halves: [Vec<u32>; 2],
 }
 
 struct Dissection<'a, const D: usize> {
     positions: &'a [Vector<D>],
     neighbours: Vec<Vec<u32>>,
-    /// Whether a vertex is in the second half of the part that is being divided.
-    in_second_half: Vec<bool>,
+    /// Whether a vertex is in the other half of the part that is being divided.
+    in_other_half: Vec<bool>,
     order: Vec<u32>,
 }
 
@@ -43,20 +49,44 @@ impl<const D: usize> Dissection<'_, D> {
         let axis = self.longest_axis(&part);
         let key = |v: &u32| self.positions[*v as usize][axis];
         part.sort_by(|a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
-        // Whole rows of a regular mesh stay on one side.
+        // Whole rows of a regular mesh stay on one side: the cut is below or above the middle one.
         let middle = key(&part[part.len() / 2]);
-        let mut cut = part.partition_point(|v| key(v) < middle - 1e-9 * middle.abs());
-        if cut == 0 {
-            cut = part.len() / 2;
+        let tolerance = 1e-9 * middle.abs();
+        let below = part.partition_point(|v| key(v) < middle - tolerance);
+        let above = part.partition_point(|v| key(v) <= middle + tolerance);
+        let inside = |cut: &usize| (1..part.len()).contains(cut);
+        let mut cuts: Vec<usize> = [below, above].into_iter().filter(inside).collect();
+        if cuts.is_empty() {
+            cuts.push(part.len() / 2);
         }
-        let right = part.split_off(cut);
-        right.iter().for_each(|v| self.in_second_half[*v as usize] = true);
-        let beside = |v: &u32| self.neighbours[*v as usize].iter().any(|n| self.in_second_half[*n as usize]);
-        let (separator, left): (Vec<u32>, Vec<u32>) = part.into_iter().partition(beside);
-        right.iter().for_each(|v| self.in_second_half[*v as usize] = false);
+        let dissected = cuts.into_iter().flat_map(|cut| self.dissections(&part, cut)).collect::<Vec<_>>();
+        let Some(Dissected { separator, halves: [left, right] }) =
+            dissected.into_iter().min_by_key(|dissected| dissected.separator.len())
+        else {
+            return;
+        };
         self.divide(left);
         self.divide(right);
         self.order.extend(separator);
+    }
+
+    /// The two dissections at a cut of a part: the separator is the boundary layer of either half. Quadratic elements reach over two rows
+    /// of vertices, and the layer on the side where the cut leaves them whole is half as thick as the other.
+    fn dissections(&mut self, part: &[u32], cut: usize) -> [Dissected; 2] {
+        let (left, right) = part.split_at(cut);
+        let mut peel = |half: &[u32], other: &[u32]| -> [Vec<u32>; 2] {
+            other.iter().for_each(|v| self.in_other_half[*v as usize] = true);
+            let beside =
+                |v: &u32| self.neighbours[*v as usize].iter().any(|n| self.in_other_half[*n as usize]);
+            let (separator, rest) = half.iter().partition(|v| beside(v));
+            other.iter().for_each(|v| self.in_other_half[*v as usize] = false);
+            [separator, rest]
+        };
+        let ([from_left, left_rest], [from_right, right_rest]) = (peel(left, right), peel(right, left));
+        [
+            Dissected { separator: from_left, halves: [left_rest, right.to_vec()] },
+            Dissected { separator: from_right, halves: [left.to_vec(), right_rest] },
+        ]
     }
 
     fn longest_axis(&self, part: &[u32]) -> usize {
