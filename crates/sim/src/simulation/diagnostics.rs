@@ -10,7 +10,7 @@ use crate::free_surface::curvature::Curvature;
 use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::{InterfaceFace, interface_faces};
 use crate::model::Model;
-use crate::repairs::Repairs;
+use super::repairs::Repairs;
 use crate::solid::Solids;
 use crate::state::{Component, State};
 use meniscus_elastic::{Elastic, ElasticState};

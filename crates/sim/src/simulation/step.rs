@@ -24,7 +24,7 @@ use crate::model::Model;
 use crate::model::time_step::{
     MAX_DT_GROWTH, PhaseEnd, StepTimes, impulse_time, lookahead_time, unbounded_impulse_time,
 };
-use crate::repairs::Repairs;
+use super::repairs::Repairs;
 use crate::solid::{SolidState, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::Sampler;

@@ -11,7 +11,7 @@ use crate::contact_line::sampling::phi_at_solid;
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::model::time_step::{PhaseEnd, deformation_dt, next_dt, stable_dt, uniform_dt};
 use crate::model::{Model, Scheme};
-use crate::repairs::Repairs;
+use super::repairs::Repairs;
 use crate::solid::{SolidView, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::{Band, Runs, Sampler};

@@ -6,7 +6,7 @@ use crate::flow::pressure::PressureFields;
 use crate::free_surface::energy::DualGrid;
 use crate::model::Model;
 use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS};
-use crate::repairs::Repairs;
+use super::repairs::Repairs;
 use crate::solid::{SolidKind, SolidState, SolidSurfaces, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::{
