@@ -46,12 +46,7 @@ pub struct LineForce<const D: usize> {
 
 impl<const D: usize> InterfaceSamples<D> {
     /// Samples of a level set of the liquid, m, and of a surface with its `φ_c`, m.
-    pub fn new(
-        types: &CellTypes<D>,
-        phi: &Sampler<'_, D>,
-        surface: &SurfaceMesh<D>,
-        phi_c: &[f64],
-    ) -> Self {
+    pub fn new(types: &CellTypes<D>, phi: &Sampler<'_, D>, surface: &SurfaceMesh<D>, phi_c: &[f64]) -> Self {
         let closest = |face| {
             let (value, differences) = phi_at_face(phi, types.grid(), face);
             let normal = Vector::from(differences).try_normalize(0.0)?;
@@ -84,12 +79,7 @@ impl<const D: usize> InterfaceSamples<D> {
     }
 
     /// The forces on all particles of a line, and the number of degenerate interfaces.
-    pub fn forces(
-        &self,
-        line: &LineMesh<D>,
-        radius: f64,
-        tensions: &Tensions,
-    ) -> (Vec<LineForce<D>>, u64) {
+    pub fn forces(&self, line: &LineMesh<D>, radius: f64, tensions: &Tensions) -> (Vec<LineForce<D>>, u64) {
         let particles = line.particles.par_iter();
         let forces: Vec<LineForce<D>> = particles.map(|p| self.force(p, radius, tensions)).collect();
         let degenerate = forces.iter().flat_map(|f| &f.tangents).filter(|t| t.is_none()).count();

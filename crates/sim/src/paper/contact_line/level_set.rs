@@ -33,8 +33,7 @@ pub fn contact_line_level_set<const D: usize>(
     dx: f64,
 ) -> Vec<f64> {
     let offset = OFFSET_CELLS * dx;
-    let enlarged: Vec<f64> =
-        mesh.positions.par_iter().with_min_len(256).map(|x| phi(x) - offset).collect();
+    let enlarged: Vec<f64> = mesh.positions.par_iter().with_min_len(256).map(|x| phi(x) - offset).collect();
     let contour = Contour::of(&mesh.facets, &enlarged);
     let mut level_set = geodesic.distance(mesh, &contour, &enlarged, BAND_CELLS * dx);
     level_set.iter_mut().for_each(|value| *value += offset);

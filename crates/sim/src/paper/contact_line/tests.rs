@@ -30,7 +30,8 @@ fn flat<const D: usize>(n: usize, y: f64) -> SurfaceMesh<D> {
             continue;
         }
         for k in 0..n {
-            let corners = [[at(i, k), at(i, k + 1), at(i + 1, k)], [at(i, k + 1), at(i + 1, k + 1), at(i + 1, k)]];
+            let corners =
+                [[at(i, k), at(i, k + 1), at(i + 1, k)], [at(i, k + 1), at(i + 1, k + 1), at(i + 1, k)]];
             facets.extend(corners.map(|c| std::array::from_fn(|j| c[j])));
         }
     }
@@ -127,8 +128,9 @@ fn small_wetted_parts_keep_their_line_and_a_surface_near_liquid_or_all_wet_has_n
 fn edges_of_the_line_are_even_after_the_repair_and_loops_stay_closed() {
     let n = 60;
     let angle = |i: usize| 2.0 * PI * (i as f64 + 0.9 * (3.7 * i as f64).sin()) / n as f64;
-    let positions: Vec<Vector<3>> =
-        (0..n).map(|i| Vector::<3>::new(angle(i).cos(), angle(i).sin(), 0.1 * (3.0 * angle(i)).cos())).collect();
+    let positions: Vec<Vector<3>> = (0..n)
+        .map(|i| Vector::<3>::new(angle(i).cos(), angle(i).sin(), 0.1 * (3.0 * angle(i)).cos()))
+        .collect();
     let segments: Vec<[u32; 2]> = (0..n as u32).map(|i| [i, (i + 1) % n as u32]).collect();
     let length = |c: &Chains<3>| -> Vec<f64> {
         let ends = |s: &[u32; 2]| s.map(|v| c.positions[v as usize]);
@@ -175,7 +177,9 @@ fn mass_of_quarters<const D: usize>(radius_cells: f64) -> f64 {
     (center[0], center[1]) = (0.493, 0.507);
     let radius = radius_cells * grid.dx;
     let ball = if D == 2 { PI * radius.powi(2) } else { 4.0 / 3.0 * PI * radius.powi(3) };
-    control_volume_mass(&grid, &density, &center, radius) / (ball * (0.25 * densities[0] + 0.5 * densities[1])) - 1.0
+    control_volume_mass(&grid, &density, &center, radius)
+        / (ball * (0.25 * densities[0] + 0.5 * densities[1]))
+        - 1.0
 }
 
 #[test]

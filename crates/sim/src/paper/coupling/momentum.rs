@@ -121,9 +121,7 @@ fn mass_of_faces(
 ) -> Vec<(u32, u32, f64)> {
     match form {
         LiquidMass::Consistent => on_vertices.product(embedding).weighted_gram(masses).collect(),
-        LiquidMass::Lumped => {
-            embedding.weighted_gram(&on_vertices.multiply_transposed(masses)).collect()
-        }
+        LiquidMass::Lumped => embedding.weighted_gram(&on_vertices.multiply_transposed(masses)).collect(),
     }
 }
 
@@ -243,9 +241,8 @@ fn add_line_to_solids<const D: usize>(
     let masses = parts.multiply(line.intrinsic_mass);
     let impulse = |(row, i): (usize, &usize)| -> f64 {
         let axis = line.map.solid_air[*i].axis;
-        let of = |(c, part): &Entry| {
-            part * line.intrinsic_mass[*c as usize] * line.velocity[*c as usize][axis]
-        };
+        let of =
+            |(c, part): &Entry| part * line.intrinsic_mass[*c as usize] * line.velocity[*c as usize][axis];
         parts.row(row).iter().map(of).sum()
     };
     let impulses: Vec<f64> = of_line.iter().enumerate().map(impulse).collect();

@@ -79,9 +79,11 @@ impl<'a, const D: usize> SolidUnknowns<'a, D> {
             let first = self.firsts[number];
             if solid.elastic().is_some() {
                 let vertices = solid.surface.volume_vertices();
-                rows.extend(vertices.iter().flat_map(|v| {
-                    (0..D as u32).map(move |a| vec![(first + v * D as u32 + a, 1.0)])
-                }));
+                rows.extend(
+                    vertices
+                        .iter()
+                        .flat_map(|v| (0..D as u32).map(move |a| vec![(first + v * D as u32 + a, 1.0)])),
+                );
             } else {
                 let center = solid.state.center_of_mass();
                 for x in &surface.positions {
@@ -100,9 +102,11 @@ impl<'a, const D: usize> SolidUnknowns<'a, D> {
             let first = self.firsts[number];
             if let Some(elastic) = solid.elastic() {
                 let diagonal = elastic.masses().iter().enumerate();
-                entries.extend(diagonal.flat_map(|(v, m)| {
-                    (0..D as u32).map(move |a| (first + v as u32 * D as u32 + a, *m))
-                }).map(|(k, m)| (k, k, m)));
+                entries.extend(
+                    diagonal
+                        .flat_map(|(v, m)| (0..D as u32).map(move |a| (first + v as u32 * D as u32 + a, *m)))
+                        .map(|(k, m)| (k, k, m)),
+                );
             } else if !solid.kind.is_prescribed() {
                 entries.extend((0..D as u32).map(|a| (first + a, first + a, solid.mass_properties.mass)));
                 let inertia = solid.inertia(&solid.state.as_rigid()) / (self.dx() * self.dx());
@@ -125,7 +129,9 @@ impl<'a, const D: usize> SolidUnknowns<'a, D> {
     pub fn damping(&self, dt: f64) -> SparseMatrix {
         let mut entries = Vec::new();
         for (number, solid) in self.solids.iter().enumerate() {
-            let (Some(elastic), Some(body)) = (solid.elastic(), solid.state.as_deformable()) else { continue };
+            let (Some(elastic), Some(body)) = (solid.elastic(), solid.state.as_deformable()) else {
+                continue;
+            };
             let weights =
                 TangentWeights { stiffness: 0.0, project_psd: true, viscosity: dt * elastic.damping_time() };
             if weights.viscosity == 0.0 {

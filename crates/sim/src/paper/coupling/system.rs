@@ -46,12 +46,8 @@ impl CoupledSystem {
         cells.iter().enumerate().for_each(|(i, c)| slots[*c as usize] = i as u32);
         let (count, unknowns) = (cells.len(), rows.mass.rows());
         let cell_mass = density * types.grid().cell_volume();
-        let mut system = Self {
-            matrix: SparseMatrix::new(0, []),
-            right: vec![0.0; count + unknowns],
-            cells,
-            slots,
-        };
+        let mut system =
+            Self { matrix: SparseMatrix::new(0, []), right: vec![0.0; count + unknowns], cells, slots };
         let mut entries = Vec::new();
         for row in 0..count {
             system.add_cell(row, types, velocity, rows, &mut entries);

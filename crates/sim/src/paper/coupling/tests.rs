@@ -1,7 +1,5 @@
 use super::line_map::LineMap;
-use super::momentum::{
-    LineForces, LineMomentum, Liquid, MomentumRows, SolidMomentum, solid_rows, with_line,
-};
+use super::momentum::{LineForces, LineMomentum, Liquid, MomentumRows, SolidMomentum, solid_rows, with_line};
 use super::solid_map::{SolidMap, joined};
 use super::solids::SolidUnknowns;
 use super::solver::{PAPER_LIMITS, Solver};
@@ -194,7 +192,9 @@ fn solid_maps<const D: usize>() {
     assert!(map.weights.entries().all(|(.., weight)| weight >= 0.0));
     // Columns: each vertex's share of the faces, in all their number.
     let columns_of = map.weights.multiply_transposed(&vec![1.0; rows]);
-    assert!(columns_of.iter().all(|c| *c >= 0.0) && (columns_of.iter().sum::<f64>() - rows as f64).abs() < 1e-10);
+    assert!(
+        columns_of.iter().all(|c| *c >= 0.0) && (columns_of.iter().sum::<f64>() - rows as f64).abs() < 1e-10
+    );
     let (v, f): (Vec<f64>, Vec<f64>) =
         ((0..D * columns).map(number).collect(), (0..rows).map(|i| number(i + 5)).collect());
     let w = map.on_components();
@@ -203,7 +203,8 @@ fn solid_maps<const D: usize>() {
 
     // A rigid motion of all solids together, at the centres of the samples.
     let motion = |x: &Vector<D>| {
-        let (omega, arm) = (Vector::<3>::new(if D == 2 { 0.0 } else { 0.4 }, 0.0, -1.3), x - point::<D>([0.2, 0.1, 0.3]));
+        let (omega, arm) =
+            (Vector::<3>::new(if D == 2 { 0.0 } else { 0.4 }, 0.0, -1.3), x - point::<D>([0.2, 0.1, 0.3]));
         let turned = omega.cross(&Vector::<3>::from_fn(|a, _| if a < D { arm[a] } else { 0.0 }));
         Vector::<D>::from_fn(|a, _| [0.3, -0.7, 0.2][a] + turned[a])
     };
@@ -250,7 +251,8 @@ fn line_maps<const D: usize>() {
         let (power, transposed) = (dot(&w.multiply(&v), &f), dot(&v, &w.multiply_transposed(&f)));
         assert!((power - transposed).abs() < 1e-12);
         if !errata.divided_line_impulse {
-            (0..map.distribution.rows()).for_each(|i| assert!((sum_of_row(&map.distribution, i) - 1.0).abs() < 1e-13));
+            (0..map.distribution.rows())
+                .for_each(|i| assert!((sum_of_row(&map.distribution, i) - 1.0).abs() < 1e-13));
             continue;
         }
         let mut shares = map.liquid_share.clone();
@@ -365,16 +367,19 @@ fn momentum_balance<const D: usize>() {
             let mass = |f: &Face| liquid_mass(&scene.sampler(), &scene.types, DENSITY, *f);
             let liquid: f64 = own.clone().map(|f| mass(f) * scene.velocity.axes[axis][f.index]).sum();
             let line = |of: &dyn Fn(usize) -> f64| -> f64 {
-                let reached = |c: &usize| {
-                    rows.line.liquid_share[*c][axis] > 0.0
-                        || rows.line.distribution.entries().any(|(i, k, _)| {
-                            k as usize == *c && rows.line.solid_air[i as usize].axis == axis
-                        })
-                };
+                let reached =
+                    |c: &usize| {
+                        rows.line.liquid_share[*c][axis] > 0.0
+                            || rows.line.distribution.entries().any(|(i, k, _)| {
+                                k as usize == *c && rows.line.solid_air[i as usize].axis == axis
+                            })
+                    };
                 (0..rows.intrinsic_mass.len()).filter(reached).map(|c| rows.intrinsic_mass[c] * of(c)).sum()
             };
             let impulse = line(&|c| rows.line_velocity[c][axis]);
-            let total = line(&|_| 1.0) + own.map(mass).sum::<f64>() + dot(&unit[..rows.start.len()], &rows.mass.multiply(&unit[..rows.start.len()]));
+            let total = line(&|_| 1.0)
+                + own.map(mass).sum::<f64>()
+                + dot(&unit[..rows.start.len()], &rows.mass.multiply(&unit[..rows.start.len()]));
             let found = dot(&unit, &rows.all.mass.multiply(&unit));
             if errata.divided_line_impulse {
                 assert!((before - solid - liquid - impulse).abs() < 1e-12, "{axis}");

@@ -172,9 +172,7 @@ impl<const D: usize> BandDiffusion<D> {
     fn new(lattice: Lattice<D>, band: Vec<BandFace>) -> Self {
         let mut slots = vec![0; lattice.len()];
         band.iter().enumerate().for_each(|(i, face)| slots[face.index] = i as u32 + 1);
-        let of = |face: &BandFace| {
-            1.0 / face.diffusion_cells + lattice.neighbours(face.index).count() as f64
-        };
+        let of = |face: &BandFace| 1.0 / face.diffusion_cells + lattice.neighbours(face.index).count() as f64;
         let diagonal = band.iter().map(of).collect();
         Self { lattice, band, slots, diagonal }
     }

@@ -152,9 +152,8 @@ fn pressure_fraction<const D: usize>(errata: Errata) -> f64 {
         at[0] < n / 2 && at[1..].iter().all(|i| *i == n / 2)
     };
     // Only forces between liquid cells, and between liquid and air, move liquid.
-    let acts = |index: usize| {
-        matches!(types.face(Face { axis: 0, index }), FaceType::Liquid | FaceType::LiquidAir)
-    };
+    let acts =
+        |index: usize| matches!(types.face(Face { axis: 0, index }), FaceType::Liquid | FaceType::LiquidAir);
     let band = tension.band(0).into_iter().filter(|f| on_axis(f.index) && acts(f.index));
     let sum: f64 = band.map(|f| f.explicit).sum::<f64>() * grid.dx * 2.0 / 1e-3;
     sum / (TENSIONS.liquid_air * (D - 1) as f64 / 0.3)
