@@ -35,12 +35,17 @@ impl<'a, const D: usize> SolidUnknowns<'a, D> {
 
     /// Their values in the states of the solids, m/s.
     pub fn velocities(&self) -> Vec<f64> {
+        self.values(self.solids.iter().map(|solid| solid.state.node_velocities()))
+    }
+
+    /// Their values from the velocities of the nodes of each solid, m/s (angular ones rad/s).
+    pub fn values(&self, nodes: impl IntoIterator<Item = Vec<Vector<D>>>) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.count());
-        for solid in self.solids.iter() {
-            let nodes = solid.state.node_velocities();
-            let scale = |node: usize| if self.is_angular(&solid, node) { self.dx() } else { 1.0 };
-            let scaled = nodes.iter().enumerate().map(|(node, v)| v * scale(node));
-            scaled.for_each(|v| all.extend(v.iter()));
+        for (solid, nodes) in self.solids.iter().zip(nodes) {
+            for (node, v) in nodes.iter().enumerate() {
+                let scale = if self.is_angular(&solid, node) { self.dx() } else { 1.0 };
+                all.extend(v.iter().map(|component| component * scale));
+            }
         }
         all
     }

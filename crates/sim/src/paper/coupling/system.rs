@@ -73,6 +73,11 @@ impl CoupledSystem {
         system
     }
 
+    /// Adds a source of volume in every liquid cell, 1/s, for cells of a size, m: the divergence that the velocity then has.
+    pub fn add_source(&mut self, source: f64, dx: f64) {
+        self.right[..self.cells.len()].iter_mut().for_each(|right| *right += source * dx);
+    }
+
     /// Adds the row of a cell, and the entries of its column in the momentum rows.
     fn add_cell<const D: usize>(
         &mut self,

@@ -43,6 +43,12 @@ pub fn liquid_mass<const D: usize>(
     density * grid.cell_volume() * plane_box_fraction(value, differences)
 }
 
+/// The part of a cell in which a level set is negative.
+pub fn cell_fraction<const D: usize>(phi: &Sampler<'_, D>, grid: &Grid<D>, at: [usize; D]) -> f64 {
+    let slope = phi.gradient(at) * grid.dx;
+    plane_box_fraction(phi.value(at.map(|i| i as isize)), std::array::from_fn(|a| slope[a]))
+}
+
 /// The virtual density `ρ_c` of Eq. 3 in every cell, kg/m³: the density of the liquid times its fraction, and the same of solids. Air
 /// has none.
 pub fn virtual_density<const D: usize>(
@@ -52,13 +58,9 @@ pub fn virtual_density<const D: usize>(
     [liquid, solid]: [f64; 2],
 ) -> Vec<f64> {
     let lattice = grid.lattice();
-    let fraction = |of: &Sampler<'_, D>, at: [usize; D]| {
-        let slope = of.gradient(at) * grid.dx;
-        plane_box_fraction(of.value(at.map(|i| i as isize)), std::array::from_fn(|a| slope[a]))
-    };
     let of = |cell: usize| {
         let at = lattice.coordinates(cell);
-        liquid * fraction(phi, at) + solid * fraction(solid_distance, at)
+        liquid * cell_fraction(phi, grid, at) + solid * cell_fraction(solid_distance, grid, at)
     };
     (0..lattice.len()).into_par_iter().with_min_len(256).map(of).collect()
 }
