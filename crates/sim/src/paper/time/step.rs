@@ -104,8 +104,7 @@ impl<const D: usize> PaperScheme<D> {
         let mut velocity = state.velocity.clone();
         add_viscosity_and_gravity(&self.model, &mut velocity, 0.5 * dt);
         let views = before.solids(self, solids);
-        let system =
-            SolidSystem::new(views, &before.meshes, explicit_velocities(views, 0.5 * dt), 0.5 * dt);
+        let system = SolidSystem::new(views, &before.meshes, explicit_velocities(views, 0.5 * dt), 0.5 * dt);
         let rows = solid_rows(&self.liquid(before, &velocity), &before.map, &system.momentum());
         let (unknowns, report) = self.solve(before, &rows, &mut velocity, 0.0)?;
         let nodes = SolidUnknowns::new(views).node_velocities(&unknowns);

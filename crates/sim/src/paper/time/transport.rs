@@ -31,11 +31,7 @@ pub fn redistanced<const D: usize>(model: &Model<D>, mut phi: CellField<D>) -> C
 }
 
 /// Extrapolates a velocity from the faces of the liquid's cells over the band; beyond it is zero.
-pub fn extend_velocity<const D: usize>(
-    model: &Model<D>,
-    phi: &CellField<D>,
-    velocity: &mut FaceField<D>,
-) {
+pub fn extend_velocity<const D: usize>(model: &Model<D>, phi: &CellField<D>, velocity: &mut FaceField<D>) {
     let (liquid, band) = liquid_and_band(model, phi);
     let faces: [_; D] = std::array::from_fn(|axis| liquid.faces(&model.grid, axis));
     let mut known = FaceField::zeros(model.grid);
