@@ -3,7 +3,7 @@
 
 use meniscus_numerics::Vector;
 
-/// Longest and shortest edge over the mean one.
+/// Shortest and longest edge over the mean one.
 pub const EDGE_BOUNDS: [f64; 2] = [0.5, 1.5];
 
 /// No point.

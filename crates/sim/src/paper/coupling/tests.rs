@@ -48,7 +48,7 @@ fn number(i: usize) -> f64 {
 }
 
 fn block<const D: usize>() -> Solid<D> {
-    let (center, half_size) = (point([0.513, 0.78, 0.49]), point([0.16, 0.11, 0.16]));
+    let (center, half_size) = (point([0.513, 0.84, 0.49]), point([0.16, 0.14, 0.16]));
     let mesh =
         VolumeMesh::of_box(&center, &half_size, &Matrix::identity(), 0.08, ElementOrder::Linear).unwrap();
     let law = ConstitutiveLaw::corotated(30.0, 0.3, ElementOrder::Linear);
@@ -61,7 +61,7 @@ fn block<const D: usize>() -> Solid<D> {
 
 fn scene<const D: usize>(lower: SolidKind<D>) -> Scene<D> {
     let grid = Grid::<D>::new([8; D], 0.125);
-    let ball = Solid::new(Shape::Ball { center: point([0.49, 0.25, 0.52]), radius: 0.17 }, lower, 1.7);
+    let ball = Solid::new(Shape::Ball { center: point([0.49, 0.2, 0.52]), radius: 0.17 }, lower, 1.7);
     let model = Model { density: DENSITY, ..Model::of_test(grid, vec![block(), ball]) };
     let mut states = model.initial_solids();
     if let Kinematics::Deformable(body) = &mut states[0].kinematics {
@@ -75,7 +75,7 @@ fn scene<const D: usize>(lower: SolidKind<D>) -> Scene<D> {
     let surfaces = SolidSurfaces::new(&model.solids, &states);
     let solids = Solids { model: &model, states: &states, surfaces: &surfaces };
     let ball = |x: &Vector<D>| model.solids[1].shape.signed_distance(x);
-    let round = ShapeSurface::new(&ball, point([0.25, 0.0, 0.3]), point([0.75, 0.5, 0.8]), 0.08).mesh;
+    let round = ShapeSurface::new(&ball, point([0.25, -0.1, 0.3]), point([0.75, 0.5, 0.8]), 0.08).mesh;
     let meshes = vec![solids.get(0).surface.mesh.clone(), round];
     let lattice = grid.lattice();
     let drop = |c: usize| (grid.center(lattice.coordinates(c)) - point::<D>([0.5, 0.5, 0.507])).norm() - 0.31;
