@@ -35,7 +35,7 @@ pub fn control_volume_mass<const D: usize>(
     let part = |at: [usize; D]| {
         let away = grid.center(at) - center;
         let slope = away.try_normalize(0.0).unwrap_or(Vector::zeros()) * grid.dx;
-        plane_box_fraction(away.norm() - radius, std::array::from_fn(|a| slope[a]))
+        plane_box_fraction::<D>(away.norm() - radius, std::array::from_fn(|a| slope[a]))
     };
     let cells = lattice_points([low, high.map(|i| i + 1)]);
     cells.map(|at| virtual_density[lattice.index(at)] * part(at)).sum::<f64>() * grid.cell_volume()

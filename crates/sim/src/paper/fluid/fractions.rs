@@ -46,7 +46,7 @@ pub fn liquid_mass<const D: usize>(
 /// The part of a cell in which a level set is negative.
 pub fn cell_fraction<const D: usize>(phi: &Sampler<'_, D>, grid: &Grid<D>, at: [usize; D]) -> f64 {
     let slope = phi.gradient(at) * grid.dx;
-    plane_box_fraction(phi.value(at.map(|i| i as isize)), std::array::from_fn(|a| slope[a]))
+    plane_box_fraction::<D>(phi.value(at.map(|i| i as isize)), std::array::from_fn(|a| slope[a]))
 }
 
 /// The virtual density `ρ_c` of Eq. 3 in every cell, kg/m³: the density of the liquid times its fraction, and the same of solids. Air
