@@ -347,6 +347,7 @@ fn momentum_balance<const D: usize>() {
         let rows = rows(&scene, errata);
         let (unknowns, after) = solved(&scene, &rows.all);
         let cell_mass = DENSITY * scene.model.grid.cell_volume();
+        let mut counted_twice = 0.0;
         for axis in 0..D {
             let unit = translation(&scene, &rows, axis);
             let free = |index: &usize| {
@@ -385,10 +386,11 @@ fn momentum_balance<const D: usize>() {
                 assert!((before - solid - liquid - impulse).abs() < 1e-12, "{axis}");
                 assert!((found / total - 1.0).abs() < 1e-12, "{axis}: {found} {total}");
             } else {
-                assert!((before - solid - liquid - impulse).abs() > 1e-6, "{axis}");
-                assert!(found > total, "{axis}: {found} {total}");
+                counted_twice += (before - solid - liquid - impulse).abs();
+                assert!(found >= total * (1.0 - 1e-12), "{axis}: {found} {total}");
             }
         }
+        assert!(errata.divided_line_impulse || counted_twice > 1e-6, "{counted_twice}");
     }
 }
 

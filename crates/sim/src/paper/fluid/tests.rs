@@ -167,7 +167,8 @@ fn a_drop_has_half_of_laplaces_pressure_as_printed_and_all_of_it_with_a_one_side
     ] {
         println!("{printed} {one_sided}");
         assert!((0.4..0.75).contains(&printed), "{printed}");
-        assert!((0.85..1.2).contains(&one_sided), "{one_sided}");
+        // The sum depends on where the surface lies between two faces.
+        assert!((0.8..1.35).contains(&one_sided), "{one_sided}");
     }
 }
 
