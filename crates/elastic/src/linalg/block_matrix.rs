@@ -123,6 +123,15 @@ impl<const D: usize> BlockMatrix<D> {
         }
     }
 
+    /// The blocks of the lower triangle `(row, column, block)`, column by column.
+    pub fn lower_blocks(&self) -> impl Iterator<Item = (usize, usize, &Matrix<D>)> {
+        let columns = 0..self.pattern.starts.len() - 1;
+        columns.flat_map(move |j| {
+            let slots = self.pattern.starts[j]..self.pattern.starts[j + 1];
+            slots.map(move |slot| (self.pattern.rows[slot] as usize, j, &self.blocks[slot]))
+        })
+    }
+
     /// Trace.
     pub(crate) fn trace(&self) -> f64 {
         (0..self.pattern.starts.len() - 1).map(|j| self.blocks[self.pattern.starts[j]].trace()).sum()

@@ -14,7 +14,7 @@ use super::points::{BARRIER_REACH_CELLS, CollisionPoints, PointOwner, SdfPair};
 use crate::coupling::impulses::moment;
 use crate::model::Model;
 use crate::model::time_step::StepTimes;
-use crate::repairs::Repairs;
+use crate::simulation::repairs::Repairs;
 use crate::solid::{Solid, SolidKind, SolidState};
 use meniscus_numerics::{Matrix, Vector};
 

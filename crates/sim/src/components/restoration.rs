@@ -7,7 +7,7 @@ use crate::coupling::impulses::{CouplingImpulses, Impulse};
 use crate::free_surface::curvature::Curvature;
 use crate::free_surface::interface_faces::{InterfaceFace, interface_faces};
 use crate::model::Model;
-use crate::repairs::Repairs;
+use crate::simulation::repairs::Repairs;
 use crate::simulation::workspace::Workspace;
 use crate::state::State;
 use meniscus_numerics::Matrix;

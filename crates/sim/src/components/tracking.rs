@@ -9,7 +9,7 @@ use crate::contact_line::force::unconstrained_projectors;
 use crate::free_surface::dual_cell::DualCell;
 use crate::model::Model;
 use crate::model::resolution::{BAND_WIDTH_CELLS, MIN_RESOLVED_RADIUS_CELLS};
-use crate::repairs::Repairs;
+use crate::simulation::repairs::Repairs;
 use crate::simulation::workspace::Workspace;
 use crate::state::{Component, State};
 use meniscus_numerics::grid::{Band, Runs};

@@ -10,7 +10,7 @@ use meniscus_numerics::{each_lanes, par};
 use std::ops::{Add, Mul, Sub};
 
 /// Vectors, of one point or of the points in all lanes.
-pub(super) trait Linear:
+pub(crate) trait Linear:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
 {
 }
@@ -27,7 +27,7 @@ fn path_bend<V: Linear>(x: V, arrival: V, dt: f64, velocity: impl Fn(&V) -> V) -
 
 /// Departure point of the path that arrives at `x` with the velocity `arrival` after `dt`.
 #[inline(always)]
-pub(super) fn departure_point<V: Linear>(x: V, arrival: V, dt: f64, velocity: impl Fn(&V) -> V) -> V {
+pub(crate) fn departure_point<V: Linear>(x: V, arrival: V, dt: f64, velocity: impl Fn(&V) -> V) -> V {
     x - arrival * dt - path_bend(x, arrival, dt, velocity)
 }
 

@@ -14,7 +14,7 @@
 use super::curvature_filter::{FilterResult, Graph};
 use super::dual_cell::DualCell;
 use super::extension::GhostCell;
-use crate::repairs::Repairs;
+use crate::simulation::repairs::Repairs;
 use meniscus_numerics::grid::{Band, CutCells, Grid, Sampler};
 use meniscus_numerics::lanes::LANES;
 use meniscus_numerics::{Vector, level_set};

@@ -1,5 +1,6 @@
 //! Diagnostics of a state: volume, momentum and energy.
 
+use super::repairs::Repairs;
 use super::workspace::{Workspace, component_bounds};
 use crate::components::moments::Moments;
 use crate::components::momentum::{MomentumTargets, combined};
@@ -10,7 +11,6 @@ use crate::free_surface::curvature::Curvature;
 use crate::free_surface::dual_cell::DualCell;
 use crate::free_surface::interface_faces::{InterfaceFace, interface_faces};
 use crate::model::Model;
-use crate::repairs::Repairs;
 use crate::solid::Solids;
 use crate::state::{Component, State};
 use meniscus_elastic::{Elastic, ElasticState};

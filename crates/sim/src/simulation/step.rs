@@ -4,6 +4,7 @@
 //! damps nor amplifies it.
 
 use super::diagnostics::{effective_surface_area, kinetic_energy, measure_components};
+use super::repairs::Repairs;
 use super::transport::{
     CURVATURE_LAYERS, interface_displacements, move_interface, move_velocity, restore_signed_distance,
 };
@@ -24,7 +25,6 @@ use crate::model::Model;
 use crate::model::time_step::{
     MAX_DT_GROWTH, PhaseEnd, StepTimes, impulse_time, lookahead_time, unbounded_impulse_time,
 };
-use crate::repairs::Repairs;
 use crate::solid::{SolidState, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::Sampler;

@@ -4,6 +4,7 @@ use super::diagnostics::{
     Diagnostics, StepReport, diagnostics, energy_without_gravity, max_velocity_component, potential_energy,
     update_diagnostics,
 };
+use super::repairs::Repairs;
 use super::step::{StepResult, step as meniscus_step};
 use super::transport::restore_signed_distance;
 use super::workspace::{Snapshot, Workspace};
@@ -11,7 +12,6 @@ use crate::contact_line::sampling::phi_at_solid;
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::model::time_step::{PhaseEnd, deformation_dt, next_dt, stable_dt, uniform_dt};
 use crate::model::{Model, Scheme};
-use crate::repairs::Repairs;
 use crate::solid::{SolidView, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::{Band, Runs, Sampler};

@@ -1,12 +1,12 @@
 //! Workspace of a step: data derived from the state (liquid cells, narrow band, cut cells), and scratch memory.
 
+use super::repairs::Repairs;
 use crate::collision::points::CollisionPoints;
 use crate::components::volume::VolumeCorrection;
 use crate::flow::pressure::PressureFields;
 use crate::free_surface::energy::DualGrid;
 use crate::model::Model;
 use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS};
-use crate::repairs::Repairs;
 use crate::solid::{SolidKind, SolidState, SolidSurfaces, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::{

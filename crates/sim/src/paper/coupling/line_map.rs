@@ -1,0 +1,106 @@
+//! The map `W_c` between line particles and faces (Section 5.2, Fig. 8).
+//!
+//! Incident to a particle are the liquid–air and the solid–air faces whose centres lie within the radius `R` of it. Liquid–air faces move
+//! with the line, `u_f = Σ_c W_fc v_c`: each takes the mean of the particles that it is incident to, so that rows add up to one.
+//!
+//! An impulse of the line goes to its incident faces: the part of liquid–air faces moves the liquid, that of solid–air faces goes on to the
+//! solid through `W_sᵀ`. With [`Errata::divided_line_impulse`] each component is divided evenly between the incident faces of its axis, so
+//! that a particle's parts add up to one. As printed the weights are those of `W_c`, whose rows add up to one, and not its columns, and
+//! the liquid gets all of the impulse as well (E7, E8).
+//!
+//! The paper does not give the weights of incident faces; here they are equal. A component whose axis has no incident face reaches
+//! nothing, and is counted.
+
+use super::sparse_matrix::{Entry, SparseMatrix};
+use crate::paper::Errata;
+use crate::paper::fluid::cells::{CellTypes, Face, FaceType};
+use meniscus_numerics::Vector;
+
+/// `W_c`, and how impulses of the line are divided.
+#[derive(Clone, Debug)]
+pub struct LineMap<const D: usize> {
+    /// The liquid–air faces that move with the line, sorted.
+    pub liquid_air: Vec<Face>,
+    /// `W_c` of these faces; its columns are the particles.
+    pub interpolation: SparseMatrix,
+    /// The solid–air faces around the line, sorted.
+    pub solid_air: Vec<Face>,
+    /// The part of each particle's impulse that each of them gets.
+    pub distribution: SparseMatrix,
+    /// For each particle and axis the part of the impulse that the liquid gets.
+    pub liquid_share: Vec<[f64; D]>,
+    /// Number of components of particles without incident faces.
+    pub unreached: u64,
+}
+
+/// The faces of a type around particles, with the particles that each one is incident to.
+struct IncidentFaces {
+    faces: Vec<Face>,
+    particles: Vec<Vec<u32>>,
+}
+
+impl<const D: usize> LineMap<D> {
+    /// The map for particles at given positions, m, with incident faces within a radius, m.
+    pub fn new(types: &CellTypes<D>, particles: &[Vector<D>], radius: f64, errata: Errata) -> Self {
+        let around = |kind| IncidentFaces::new(types, types.faces_of(kind), particles, radius);
+        let (liquid, solid) = (around(FaceType::LiquidAir), around(FaceType::SolidAir));
+        let [of_liquid, of_solid] = [&liquid, &solid].map(|of| of.counts::<D>(particles.len()));
+        let total = |c: usize, a: usize| of_liquid[c][a] + of_solid[c][a];
+        let share = |c: usize| {
+            std::array::from_fn(|a| match (errata.divided_line_impulse, total(c, a)) {
+                (true, 0) => 0.0,
+                (true, all) => of_liquid[c][a] as f64 / all as f64,
+                (false, _) => 1.0,
+            })
+        };
+        let divided = |(face, to): (&Face, &Vec<u32>)| -> Vec<Entry> {
+            to.iter().map(|c| (*c, 1.0 / total(*c as usize, face.axis) as f64)).collect()
+        };
+        let distribution = match errata.divided_line_impulse {
+            true => SparseMatrix::new(particles.len(), solid.faces.iter().zip(&solid.particles).map(divided)),
+            false => solid.mean(particles.len()),
+        };
+        let unreached = (0..particles.len()).flat_map(|c| (0..D).map(move |a| (c, a)));
+        Self {
+            interpolation: liquid.mean(particles.len()),
+            distribution,
+            liquid_share: (0..particles.len()).map(share).collect(),
+            unreached: unreached.filter(|(c, a)| total(*c, *a) == 0).count() as u64,
+            liquid_air: liquid.faces,
+            solid_air: solid.faces,
+        }
+    }
+}
+
+impl IncidentFaces {
+    fn new<const D: usize>(
+        types: &CellTypes<D>,
+        faces: Vec<Face>,
+        particles: &[Vector<D>],
+        radius: f64,
+    ) -> Self {
+        let near = |face: &Face| -> Vec<u32> {
+            let x = types.center(*face);
+            let within = particles.iter().enumerate().filter(|(_, p)| (*p - x).norm() <= radius);
+            within.map(|(c, _)| c as u32).collect()
+        };
+        let incident = faces.into_iter().map(|face| (face, near(&face))).filter(|(_, near)| !near.is_empty());
+        let (faces, particles) = incident.unzip();
+        Self { faces, particles }
+    }
+
+    /// Number of incident faces for each particle and axis.
+    fn counts<const D: usize>(&self, particles: usize) -> Vec<[usize; D]> {
+        let mut counts = vec![[0; D]; particles];
+        for (face, near) in self.faces.iter().zip(&self.particles) {
+            near.iter().for_each(|c| counts[*c as usize][face.axis] += 1);
+        }
+        counts
+    }
+
+    /// The mean of the particles of each face.
+    fn mean(&self, particles: usize) -> SparseMatrix {
+        let row = |near: &Vec<u32>| near.iter().map(|c| (*c, 1.0 / near.len() as f64)).collect::<Vec<_>>();
+        SparseMatrix::new(particles, self.particles.iter().map(row))
+    }
+}

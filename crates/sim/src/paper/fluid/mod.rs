@@ -1,0 +1,9 @@
+//! Section 4.1: the liquid on the staggered grid.
+
+pub mod cells;
+pub mod fractions;
+pub mod interfaces;
+pub mod surface_tension;
+
+#[cfg(test)]
+mod tests;

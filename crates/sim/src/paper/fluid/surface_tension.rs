@@ -1,0 +1,201 @@
+//! Surface tension as a force in a band around the surface, semi-implicit in time (Eq. 6; W. Zheng, J.-H. Yong, J.-C. Paul 2009).
+//!
+//! ```text
+//! (u − u_old)/Δt = −Υ/ρ δ(φ) κ n + Υ/ρ δ(φ) Δt ∇²u,    δ(φ) = (1 + cos(π φ/ε))/(2 ε),   ε = 3 Δx
+//! ```
+//!
+//! The density is missing in the paper (E2). `n = ∇φ/|∇φ|` and `κ = ∇·n` are those of the level set through the face, by central
+//! differences. Each component of the velocity is one symmetric positive definite system on the faces of the band, `(ρ/(Υ δ Δt²) − ∇²) u
+//! = …`, solved by conjugate gradients; faces outside the band keep their velocity. Sides of the domain are mirrors. Where a tension is
+//! not positive the implicit term is left out, since it would not be positive.
+//!
+//! With [`Errata::one_sided_delta`] the force and the implicit term are doubled in the liquid. In the air there is no force then; the
+//! implicit term is as printed, so that the velocity there, a continuation of the liquid's, does not hold the liquid back.
+//!
+//! Limit: the implicit term is a viscosity `Υ δ Δt/ρ` (E4).
+
+use super::cells::{CellTypes, Face, FaceType};
+use super::fractions::phi_at_face;
+use super::interfaces::{Interface, interface_at};
+use crate::paper::{Errata, Tensions};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{FaceField, Grid, Lattice, Sampler};
+use meniscus_numerics::linalg::{
+    Jacobi, LinearOperator, SolveError, SolveLimits, SolveReport, conjugate_gradient,
+};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Half the width `ε` of the band, in cells.
+pub const BAND_CELLS: f64 = 3.0;
+/// Diffusion in a step, `Υ δ Δt²/ρ` over the square of a cell, below which a face keeps its velocity: its change would be below rounding.
+const MIN_DIFFUSION_CELLS: f64 = 1e-15;
+
+/// The delta function of Eq. 6, 1/m, for a half width `epsilon`, m. Its integral over `phi` is one.
+pub fn delta(phi: f64, epsilon: f64) -> f64 {
+    if phi.abs() < epsilon { 0.5 / epsilon * (1.0 + (PI * phi / epsilon).cos()) } else { 0.0 }
+}
+
+/// Curvature `∇·(∇φ/|∇φ|)`, 1/m, of the level set through the centre of a cell, by central differences; at most that of a ball with the
+/// radius of a cell, and zero where the gradient vanishes. The cell may lie beyond the grid by one.
+pub fn curvature<const D: usize>(phi: &Sampler<'_, D>, dx: f64, at: [isize; D]) -> f64 {
+    let value = |steps: [(usize, isize); 2]| {
+        let mut cell = at;
+        steps.iter().for_each(|(a, step)| cell[*a] += step);
+        phi.value(cell) / dx
+    };
+    let slope: Vector<D> = Vector::from_fn(|a, _| 0.5 * (value([(a, 1), (a, 0)]) - value([(a, -1), (a, 0)])));
+    let second = |a: usize, b: usize| {
+        if a == b {
+            return value([(a, 1), (a, 0)]) - 2.0 * phi.value(at) / dx + value([(a, -1), (a, 0)]);
+        }
+        let along = |i: isize| value([(a, i), (b, 1)]) - value([(a, i), (b, -1)]);
+        0.25 * (along(1) - along(-1))
+    };
+    let square = slope.norm_squared();
+    if square == 0.0 {
+        return 0.0;
+    }
+    let bent: f64 = (0..D).map(|a| (0..D).map(|b| slope[a] * second(a, b) * slope[b]).sum::<f64>()).sum();
+    let trace: f64 = (0..D).map(|a| second(a, a)).sum();
+    let most = (D - 1) as f64;
+    ((trace * square - bent) / (square * square.sqrt())).clamp(-most, most) / dx
+}
+
+/// A step of Eq. 6.
+pub struct SurfaceTension<'a, const D: usize> {
+    /// Types of the cells.
+    pub types: &'a CellTypes<D>,
+    /// The level set of the liquid, m, closed along solids.
+    pub phi: Sampler<'a, D>,
+    /// The tensions; that of dry solids does not act here.
+    pub tensions: Tensions,
+    /// Density of the liquid, kg/m³.
+    pub density: f64,
+    /// Length of the step, s.
+    pub dt: f64,
+    /// Errata.
+    pub errata: Errata,
+}
+
+/// A face of the band.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BandFace {
+    /// Its position in the lattice of its axis.
+    pub index: usize,
+    /// Change of its velocity by the explicit force, m/s.
+    pub explicit: f64,
+    /// `Υ δ Δt²/ρ` of the implicit term over the square of a cell; not negative.
+    pub diffusion_cells: f64,
+}
+
+impl<const D: usize> SurfaceTension<'_, D> {
+    /// Changes a velocity, m/s, that is known in the whole band, on both sides of the surface. Reports the solve for each component.
+    ///
+    /// # Errors
+    /// [`SolveError`] of the conjugate gradients.
+    pub fn apply(
+        &self,
+        velocity: &mut FaceField<D>,
+        limits: SolveLimits,
+    ) -> Result<[SolveReport; D], SolveError> {
+        let mut reports = [SolveReport::default(); D];
+        for (axis, report) in reports.iter_mut().enumerate() {
+            let lattice = self.types.grid().face_lattice(axis);
+            let (band, values) = (self.band(axis), &mut velocity.axes[axis]);
+            band.iter().for_each(|face| values[face.index] += face.explicit);
+            let diffusing = |face: &BandFace| face.diffusion_cells > MIN_DIFFUSION_CELLS;
+            let system = BandDiffusion::new(lattice, band.into_iter().filter(diffusing).collect());
+            let mut x: Vec<f64> = system.band.iter().map(|face| values[face.index]).collect();
+            let preconditioner = Jacobi::new(&system.diagonal);
+            *report =
+                conjugate_gradient(&system, &preconditioner, &system.right_side(values), &mut x, limits)?;
+            system.band.iter().zip(x).for_each(|(face, u)| values[face.index] = u);
+        }
+        Ok(reports)
+    }
+
+    /// The faces of the band normal to an axis, in order, those on closed sides left out.
+    pub fn band(&self, axis: usize) -> Vec<BandFace> {
+        let count = self.types.grid().face_lattice(axis).len();
+        let faces = (0..count).into_par_iter().with_min_len(256);
+        faces.filter_map(|index| self.band_face(Face { axis, index })).collect()
+    }
+
+    fn band_face(&self, face: Face) -> Option<BandFace> {
+        let (grid, axis) = (self.types.grid(), face.axis);
+        let (phi, differences) = phi_at_face(&self.phi, grid, face);
+        let delta = delta(phi, BAND_CELLS * grid.dx);
+        if delta == 0.0 || self.types.face(face) == FaceType::ClosedSide {
+            return None;
+        }
+        let slope: Vector<D> = differences.into();
+        let normal = slope.try_normalize(0.0).unwrap_or(Vector::zeros());
+        let [in_force, in_diffusion] = match (self.errata.one_sided_delta, phi < 0.0) {
+            (false, _) => [1.0, 1.0],
+            (true, true) => [2.0, 2.0],
+            (true, false) => [0.0, 1.0],
+        };
+        let tension = match interface_at(self.types, &(self.types.center(face) - normal * phi)) {
+            Interface::LiquidAir => self.tensions.liquid_air,
+            Interface::LiquidSolid => self.tensions.liquid_solid,
+        };
+        let force = -tension * delta * self.face_curvature(grid, face) * normal[axis];
+        let diffusion = tension.max(0.0) * delta * self.dt * self.dt / self.density;
+        Some(BandFace {
+            index: face.index,
+            explicit: in_force * force * self.dt / self.density,
+            diffusion_cells: in_diffusion * diffusion / (grid.dx * grid.dx),
+        })
+    }
+
+    /// Mean curvature of the cells on both sides of a face, 1/m.
+    fn face_curvature(&self, grid: &Grid<D>, face: Face) -> f64 {
+        let upper = grid.face_lattice(face.axis).coordinates(face.index).map(|i| i as isize);
+        let mut lower = upper;
+        lower[face.axis] -= 1;
+        0.5 * (curvature(&self.phi, grid.dx, lower) + curvature(&self.phi, grid.dx, upper))
+    }
+}
+
+/// The system of one component, times the square of a cell: `(1/c + n) u − Σ u_neighbour = u_old/c + Σ u_known` with the diffusion `c` and
+/// the number `n` of neighbours.
+struct BandDiffusion<const D: usize> {
+    lattice: Lattice<D>,
+    band: Vec<BandFace>,
+    /// For every face of the lattice 1 + its number in the band, or 0.
+    slots: Vec<u32>,
+    diagonal: Vec<f64>,
+}
+
+impl<const D: usize> BandDiffusion<D> {
+    fn new(lattice: Lattice<D>, band: Vec<BandFace>) -> Self {
+        let mut slots = vec![0; lattice.len()];
+        band.iter().enumerate().for_each(|(i, face)| slots[face.index] = i as u32 + 1);
+        let of = |face: &BandFace| 1.0 / face.diffusion_cells + lattice.neighbours(face.index).count() as f64;
+        let diagonal = band.iter().map(of).collect();
+        Self { lattice, band, slots, diagonal }
+    }
+
+    fn right_side(&self, values: &[f64]) -> Vec<f64> {
+        let of = |face: &BandFace| {
+            let known = self.lattice.neighbours(face.index).filter(|n| self.slots[*n] == 0);
+            values[face.index] / face.diffusion_cells + known.map(|n| values[n]).sum::<f64>()
+        };
+        self.band.par_iter().with_min_len(256).map(of).collect()
+    }
+}
+
+impl<const D: usize> LinearOperator for BandDiffusion<D> {
+    fn size(&self) -> usize {
+        self.band.len()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64]) {
+        y.par_iter_mut().enumerate().with_min_len(256).for_each(|(i, y)| {
+            let slots = self.lattice.neighbours(self.band[i].index).map(|n| self.slots[n] as usize);
+            let around: f64 = slots.filter(|slot| *slot > 0).map(|slot| x[slot - 1]).sum();
+            *y = self.diagonal[i] * x[i] - around;
+        });
+    }
+}

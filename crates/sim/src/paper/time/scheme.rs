@@ -1,0 +1,66 @@
+//! What is fixed in a run of the scheme.
+
+use crate::model::Model;
+use crate::paper::contact_line::RADIUS_CELLS;
+use crate::paper::coupling::solver::{PAPER_LIMITS, Solver};
+use crate::paper::{Errata, Tensions};
+use meniscus_numerics::Vector;
+use meniscus_numerics::linalg::SolveLimits;
+use meniscus_numerics::mesh::{ShapeSurface, SurfaceMesh};
+
+/// Cells over the edges of the surfaces of rigid solids (Section 4.2: "1.5x in our experiments").
+const CELLS_PER_EDGE: f64 = 1.5;
+
+/// The scheme of the paper for a model, whose `surface_tension`, contact angles and `numerics` it does not use.
+#[derive(Clone, Debug)]
+pub struct PaperScheme<const D: usize> {
+    /// Grid, sides, liquid, gravity and solids.
+    pub model: Model<D>,
+    /// The tensions, of all solids the same.
+    pub tensions: Tensions,
+    /// Errata.
+    pub errata: Errata,
+    /// The radius `R`, in cells.
+    pub radius_cells: f64,
+    /// Density of the solids, kg/m³, in the lumped mass of the line as printed (E9).
+    pub solid_density: f64,
+    /// Whether there is a contact line; without one the coupling is that of Section 5.1 alone.
+    pub contact_line: bool,
+    /// Solver of the coupled systems.
+    pub solver: Solver,
+    /// Limits of all solves.
+    pub limits: SolveLimits,
+    /// Surfaces of the rigid solids at the start, m; of deformable ones nothing.
+    pub(super) rigid_surfaces: Vec<SurfaceMesh<D>>,
+}
+
+impl<const D: usize> PaperScheme<D> {
+    /// The scheme with the parameters of the paper and all errata corrected.
+    pub fn new(model: Model<D>, tensions: Tensions) -> Self {
+        let edge = model.grid.dx / CELLS_PER_EDGE;
+        let [first, last] = model.grid.bounds();
+        let surface = |solid: &crate::Solid<D>| {
+            if solid.elastic().is_some() {
+                return SurfaceMesh::default();
+            }
+            let margin = Vector::repeat(2.0 * edge);
+            let (low, high) = solid.shape.bounds();
+            let distance = |x: &Vector<D>| solid.shape.signed_distance(x);
+            // Without the facets that close the surface at the sides of the grid.
+            let all =
+                ShapeSurface::new(&distance, (low - margin).sup(&first), (high + margin).inf(&last), edge);
+            SurfaceMesh { facets: all.solid_facets().to_vec(), positions: all.mesh.positions }
+        };
+        Self {
+            rigid_surfaces: model.solids.iter().map(surface).collect(),
+            solid_density: model.density,
+            model,
+            tensions,
+            errata: Errata::CORRECTED,
+            radius_cells: RADIUS_CELLS,
+            contact_line: true,
+            solver: Solver::ConjugateGradient,
+            limits: PAPER_LIMITS,
+        }
+    }
+}

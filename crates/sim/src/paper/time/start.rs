@@ -1,0 +1,34 @@
+//! The state at the start.
+
+use super::geometry::Geometry;
+use super::scheme::PaperScheme;
+use super::state::PaperState;
+use super::transport::{extend_velocity, redistanced};
+use crate::model::resolution::BAND_WIDTH_CELLS;
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{CellField, FaceField};
+use rayon::prelude::*;
+
+impl<const D: usize> PaperScheme<D> {
+    /// The state at the start, with the liquid's signed distance, m, and velocity, m/s.
+    pub fn start(
+        &self,
+        signed_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
+        velocity: &Vector<D>,
+    ) -> PaperState<D> {
+        let grid = self.model.grid;
+        let (lattice, limit) = (grid.lattice(), BAND_WIDTH_CELLS * grid.dx);
+        let mut phi = CellField::new(grid, 0.0);
+        phi.data.par_iter_mut().enumerate().for_each(|(cell, value)| {
+            *value = signed_distance(&grid.center(lattice.coordinates(cell))).clamp(-limit, limit);
+        });
+        let solids = self.model.initial_solids();
+        let geometry = Geometry::new(self, &solids, &phi);
+        let phi = redistanced(&self.model, geometry.phi);
+        let mut field = FaceField::zeros(grid);
+        field.axes.iter_mut().enumerate().for_each(|(axis, values)| values.fill(velocity[axis]));
+        extend_velocity(&self.model, &phi, &mut field);
+        let target_volume = self.volume(&phi);
+        PaperState { time: 0.0, phi, velocity: field, solids, line: Vec::new(), target_volume }
+    }
+}

@@ -1,0 +1,160 @@
+//! The seven steps of Section 6, with three solves.
+//!
+//! ```text
+//! (1) u^{n+½}, v_s^{n+½*}: explicit forces for half a step                                                  Eq. 16
+//! (2) Eq. 11 for v_s^{n+½};   x_s^{n+1} = x_s^n + Δt v_s^{n+½};   u ← u^n                                   Eq. 17
+//! (3) v_s^eff = (x_s^{n+1} − x_s^n)/Δt;   u^adv: u^n projected beside v_s^eff, with the volume's correction   Eq. 18
+//! (4) φ^{n+1}: φ^n carried by u^adv                                                                         Eq. 19
+//! (5) u*: u^n carried by u^adv, with viscosity, gravity and surface tension;   v_s*                         Eq. 20
+//! (6) the contact line;   v_c*                                                                              Eq. 21
+//! (7) Eq. 15 for v_s^{n+1} and u^{n+1}
+//! ```
+//!
+//! What the paper leaves open: the correction of the volume is a divergence, the same in all of the liquid, that makes up for the missing
+//! volume in five steps; a particle of the line has the velocity of the nearest one before.
+//!
+//! Limits: solids do not feel each other. The scheme damps vibrations (E21).
+
+use super::geometry::Geometry;
+use super::line::ContactLines;
+use super::scheme::PaperScheme;
+use super::solves::SolidSystem;
+use super::state::PaperState;
+use super::transport::{
+    add_viscosity_and_gravity, advect_level_set, advect_velocity, extend_velocity, redistanced,
+};
+use crate::paper::coupling::momentum::{solid_rows, with_line};
+use crate::paper::coupling::solids::SolidUnknowns;
+use crate::paper::fluid::surface_tension::SurfaceTension;
+use crate::paper::solid::{explicit_velocities, set_prescribed_velocities};
+use crate::solid::SolidState;
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::FaceField;
+use meniscus_numerics::linalg::{SolveError, SolveReport};
+
+/// What a step reports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperReport<const D: usize> {
+    /// The solves of steps 2, 3 and 7.
+    pub solves: [SolveReport; 3],
+    /// The solves of Eq. 6, component by component.
+    pub surface_tension: [SolveReport; D],
+    /// Number of particles of the contact line.
+    pub particles: u64,
+    /// Interfaces of particles with too few samples, whose force is left out.
+    pub degenerate: u64,
+    /// Components of particles whose impulse reaches nothing.
+    pub unreached: u64,
+    /// Faces beside solids that the samples of the surfaces miss.
+    pub unsampled: u64,
+}
+
+impl<const D: usize> PaperScheme<D> {
+    /// Advances a state by `dt`, s.
+    ///
+    /// # Errors
+    /// [`SolveError`] of one of the solves; the state is then as before.
+    pub fn step(&self, state: &mut PaperState<D>, dt: f64) -> Result<PaperReport<D>, SolveError> {
+        let mut solids = state.solids.clone();
+        set_prescribed_velocities(&self.model, &mut solids, state.time, dt);
+        let before = Geometry::new(self, &solids, &state.phi);
+        let (moved, first) = self.move_solids(state, &before, &solids, dt)?;
+
+        // (3) The velocity of transport.
+        let between = Geometry::new(self, &moved, &before.phi);
+        let mut transport = state.velocity.clone();
+        let missing = self.missing_volume(&before.phi, state.target_volume);
+        let second = self.project_transport([&before, &between], &mut transport, missing, dt)?;
+        extend_velocity(&self.model, &between.phi, &mut transport);
+
+        // (4) The surface.
+        let phi = advect_level_set(&self.model, &between.phi, &transport, dt);
+        let phi = redistanced(&self.model, Geometry::new(self, &moved, &phi).phi);
+        let after = Geometry::new(self, &moved, &phi);
+
+        // (5) Velocities before the last solve.
+        let mut velocity = advect_velocity(&self.model, &state.velocity, &transport, dt);
+        add_viscosity_and_gravity(&self.model, &mut velocity, dt);
+        let surface_tension = self.surface_tension(&after, dt).apply(&mut velocity, self.limits)?;
+
+        // (6) and (7) The contact line, and the velocities at the end.
+        let lines = if self.contact_line { self.contact_lines(&after) } else { ContactLines::default() };
+        let (third, unreached) = self.final_solve(state, &after, moved, &lines, &mut velocity, dt)?;
+        extend_velocity(&self.model, &after.phi, &mut velocity);
+        (state.velocity, state.phi) = (velocity, after.phi);
+        state.time += dt;
+        Ok(PaperReport {
+            solves: [first, second, third],
+            surface_tension,
+            particles: lines.positions.len() as u64,
+            degenerate: lines.degenerate,
+            unreached,
+            unsampled: after.map.unsampled,
+        })
+    }
+
+    /// Steps 1 and 2: the solids at the end of the step, with their velocities at its start.
+    fn move_solids(
+        &self,
+        state: &PaperState<D>,
+        before: &Geometry<D>,
+        solids: &[SolidState<D>],
+        dt: f64,
+    ) -> Result<(Vec<SolidState<D>>, SolveReport), SolveError> {
+        let mut velocity = state.velocity.clone();
+        add_viscosity_and_gravity(&self.model, &mut velocity, 0.5 * dt);
+        let views = before.solids(self, solids);
+        let system = SolidSystem::new(views, &before.meshes, explicit_velocities(views, 0.5 * dt), 0.5 * dt);
+        let rows = solid_rows(&self.liquid(before, &velocity), &before.map, &system.momentum());
+        let (unknowns, report) = self.solve(before, &rows, &mut velocity, 0.0)?;
+        let nodes = SolidUnknowns::new(views).node_velocities(&unknowns);
+        let mut moved = solids.to_vec();
+        for ((solid, now), nodes) in self.model.solids.iter().zip(&mut moved).zip(&nodes) {
+            let start = now.node_velocities();
+            solid.set_node_velocities(now, nodes);
+            solid.advance(now, state.time, dt);
+            solid.set_node_velocities(now, &start);
+        }
+        Ok((moved, report))
+    }
+
+    /// Eq. 6 at a geometry.
+    fn surface_tension<'a>(&'a self, geometry: &'a Geometry<D>, dt: f64) -> SurfaceTension<'a, D> {
+        SurfaceTension {
+            types: &geometry.types,
+            phi: geometry.sampler(self),
+            tensions: self.tensions,
+            density: self.model.density,
+            dt,
+            errata: self.errata,
+        }
+    }
+
+    /// Steps 6 and 7: sets the velocities of solids and line, and makes `u*` the velocity at the end of the step. Returns the number of
+    /// components of particles whose impulse reaches nothing, too.
+    fn final_solve(
+        &self,
+        state: &mut PaperState<D>,
+        after: &Geometry<D>,
+        mut moved: Vec<SolidState<D>>,
+        lines: &ContactLines<D>,
+        velocity: &mut FaceField<D>,
+        dt: f64,
+    ) -> Result<(SolveReport, u64), SolveError> {
+        let views = after.solids(self, &moved);
+        let system = SolidSystem::new(views, &after.meshes, explicit_velocities(views, dt), dt);
+        let line = self.line_system(lines, &state.line, after, &moved, dt);
+        let liquid = self.liquid(after, velocity);
+        let rows = solid_rows(&liquid, &after.map, &system.momentum());
+        let (rows, own) = with_line(rows, &liquid, &after.map, &system.embedding, &line.momentum());
+        let (unknowns, report) = self.solve(after, &rows, velocity, 0.0)?;
+        let velocities: Vec<Vector<D>> = lines.velocities(&own, &unknowns, &system.embedding);
+        state.line = lines.positions.iter().zip(velocities).map(|(x, v)| [*x, v]).collect();
+        let nodes = SolidUnknowns::new(views).node_velocities(&unknowns[..system.embedding.columns()]);
+        for ((solid, now), nodes) in self.model.solids.iter().zip(&mut moved).zip(&nodes) {
+            solid.set_node_velocities(now, nodes);
+        }
+        state.solids = moved;
+        Ok((report, line.map.unreached))
+    }
+}

@@ -1,0 +1,113 @@
+//! Transport of surface and velocity, and the velocity beyond the liquid (Section 4.1, and steps 4 and 5 of Section 6).
+//!
+//! Semi-Lagrangian, as in the paper, along the third-order paths and with the interpolation of the rest of Meniscus. What the paper leaves
+//! open is as there too: `φ` is made a distance again in the band ([`redistance`]), and the velocity is extrapolated over the band.
+
+use crate::flow::paths::departure_point;
+use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS};
+use crate::model::{Model, Wall};
+use meniscus_numerics::Vector;
+use meniscus_numerics::grid::{Band, CellField, FaceField, Runs, Sampler, Tiles, VelocityExtension};
+use meniscus_numerics::level_set::redistance;
+use rayon::prelude::*;
+
+/// The liquid's cells, and the band around its surface.
+fn liquid_and_band<const D: usize>(model: &Model<D>, phi: &CellField<D>) -> (Runs, Band<D>) {
+    let liquid = Tiles::all(model.grid).negative_runs(&phi.data);
+    let mut band = Band::new(model.grid);
+    band.rebuild(&phi.data, &liquid, BAND_LAYERS);
+    (liquid, band)
+}
+
+/// The level set as a distance, m, in the band, and at its bound elsewhere.
+pub fn redistanced<const D: usize>(model: &Model<D>, mut phi: CellField<D>) -> CellField<D> {
+    let (_, band) = liquid_and_band(model, &phi);
+    let limit = BAND_WIDTH_CELLS * model.grid.dx;
+    let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_boundary());
+    let values = redistance(&model.grid, &band, BAND_LAYERS, &phi.data, &sampler, limit);
+    phi.data.iter_mut().for_each(|value| *value = limit.copysign(*value));
+    band.cells.iter().zip(values).for_each(|(cell, value)| phi.data[*cell as usize] = value);
+    phi
+}
+
+/// Extrapolates a velocity from the faces of the liquid's cells over the band; beyond it is zero.
+pub fn extend_velocity<const D: usize>(model: &Model<D>, phi: &CellField<D>, velocity: &mut FaceField<D>) {
+    let (liquid, band) = liquid_and_band(model, phi);
+    let faces: [_; D] = std::array::from_fn(|axis| liquid.faces(&model.grid, axis));
+    let mut known = FaceField::zeros(model.grid);
+    for axis in 0..D {
+        let row = model.grid.face_lattice(axis).extent[0];
+        for s in &faces[axis] {
+            let range = s.row * row + s.start..s.row * row + s.end;
+            known.axes[axis][range.clone()].copy_from_slice(&velocity.axes[axis][range]);
+        }
+    }
+    let mut extension = VelocityExtension::new(model.grid);
+    extension.set_liquid_faces(faces);
+    let distance = Sampler::cells(&model.grid, &phi.data, model.scalar_boundary());
+    let closed = |axis: usize, side: usize| model.walls[axis][side] == Wall::Slip;
+    extension.extrapolate(&mut known, &band, &phi.data, &distance, closed);
+    *velocity = known;
+}
+
+/// The level set after a step of `dt` (s) with a velocity that is known in the band (Eq. 19), m; not a distance.
+pub fn advect_level_set<const D: usize>(
+    model: &Model<D>,
+    phi: &CellField<D>,
+    velocity: &FaceField<D>,
+    dt: f64,
+) -> CellField<D> {
+    let (_, band) = liquid_and_band(model, phi);
+    let (grid, flow) = (&model.grid, model.velocity_sampler(velocity));
+    let sampler = Sampler::cells(grid, &phi.data, model.scalar_boundary());
+    let of = |cell: &u32| {
+        let x = grid.center(grid.lattice().coordinates(*cell as usize));
+        sampler.distance(&departure_point(x, flow.linear(&x), dt, |x| flow.linear(x)))
+    };
+    let values: Vec<f64> = band.cells.par_iter().with_min_len(64).map(of).collect();
+    let mut after = phi.clone();
+    band.cells.iter().zip(values).for_each(|(cell, value)| after.data[*cell as usize] = value);
+    after
+}
+
+/// A velocity carried for `dt` (s) along another one, where both are known.
+pub fn advect_velocity<const D: usize>(
+    model: &Model<D>,
+    carried: &FaceField<D>,
+    along: &FaceField<D>,
+    dt: f64,
+) -> FaceField<D> {
+    let (flow, values) = (model.velocity_sampler(along), model.velocity_sampler(carried));
+    let mut after = FaceField::zeros(model.grid);
+    for axis in 0..D {
+        let lattice = model.grid.face_lattice(axis);
+        after.axes[axis].par_iter_mut().enumerate().with_min_len(64).for_each(|(index, value)| {
+            let at = lattice.coordinates(index);
+            if model.on_closed_side(axis, at[axis]) {
+                return;
+            }
+            let x: Vector<D> = model.grid.face_center(axis, at);
+            let departure = departure_point(x, flow.linear(&x), dt, |x| flow.linear(x));
+            *value = values.component(axis).cubic(&departure);
+        });
+    }
+    after
+}
+
+/// Adds `dt (ν ∇²u + g)` to a velocity, m/s: explicit viscosity, with sides of the domain as mirrors, and gravity (Eq. 16 and 20).
+pub fn add_viscosity_and_gravity<const D: usize>(model: &Model<D>, velocity: &mut FaceField<D>, dt: f64) {
+    let diffusion = model.kinematic_viscosity * dt / (model.grid.dx * model.grid.dx);
+    for axis in 0..D {
+        let (lattice, old) = (model.grid.face_lattice(axis), velocity.axes[axis].clone());
+        velocity.axes[axis].par_iter_mut().enumerate().with_min_len(256).for_each(|(index, value)| {
+            if model.on_closed_side(axis, lattice.coordinates(index)[axis]) {
+                return;
+            }
+            let around: f64 = match diffusion > 0.0 {
+                true => lattice.neighbours(index).map(|n| old[n] - old[index]).sum(),
+                false => 0.0,
+            };
+            *value += diffusion * around + model.gravity[axis] * dt;
+        });
+    }
+}
