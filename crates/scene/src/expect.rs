@@ -307,12 +307,12 @@ fn tip_period(series: &TimeSeries, solid: &str, dimension: usize) -> Option<f64>
     let swing = height[..rows].iter().map(|h| (h - mean).abs()).fold(0.0, f64::max);
     let noise = MIN_SWING_FRACTION * swing;
     let (mut crossings, mut below, mut at) = (Vec::new(), false, 0);
-    for i in 0..rows {
-        below |= height[i] < mean - noise;
-        if below && height[i] <= mean {
+    for (i, &h) in height[..rows].iter().enumerate() {
+        below |= h < mean - noise;
+        if below && h <= mean {
             at = i;
         }
-        if below && height[i] > mean + noise {
+        if below && h > mean + noise {
             crossings.push(crossing(time, height, at, mean));
             below = false;
         }
