@@ -15,7 +15,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 const PREFIX: &str = "builtin:";
 
 /// The built-in meshes: name and content.
-const MESHES: [(&str, &[u8]); 2] = [
+const MESHES: [(&str, &[u8]); 3] = [
+    ("box-net.msh", include_bytes!("../../../../scenes/meshes/box-net.msh")),
     ("duck.obj", include_bytes!("../../../../scenes/meshes/duck.obj")),
     ("leaf.msh", include_bytes!("../../../../scenes/meshes/leaf.msh")),
 ];

@@ -195,7 +195,7 @@ momentum_error = { max = 1e-6 }
 energy_growth = { max = 0.01 }
 repairs = { deleted_volume = 1e-6, unconverged = 0 }
 max_speed = { max = "1 cm/s" }
-frequency = { mode = 2, value = "121.3 Hz", tolerance = 0.02 }
+frequency = { mode = 2, solid = "plate", value = "121.3 Hz", tolerance = 0.02 }
 contact_angle = [{ solid = "plate", value = "90 deg", tolerance = "5 deg" }, { solid = "leaf", value = "120 deg", tolerance = "5 deg" }]
 reach = { side = "top", value = "30 dx", tolerance = "1 mm" }
 floats = ["leaf"]

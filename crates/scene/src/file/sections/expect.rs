@@ -100,12 +100,16 @@ pub struct ExpectedPeriod {
 }
 
 /// A frequency, measured as the inverse of a period.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExpectedFrequency {
     /// Mode number, for information only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<u32>,
+    /// Deformable solid whose tip swings up and down with this frequency; by default it is that of the maxima of
+    /// the kinetic energy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solid: Option<String>,
     /// Expected frequency, above 0.
     #[serde(with = "Si::<Frequency>")]
     pub value: f64,
@@ -228,6 +232,17 @@ fn entry(key: &str, count: usize, i: usize) -> String {
     if count > 1 { format!("expect.{key}.{i}") } else { format!("expect.{key}") }
 }
 
+/// Checks that a solid exists and deforms.
+fn deforms(path: &str, solid: &str, named: &Names<'_>, v: &Validator) -> Result<(), SceneError> {
+    v.known_solid(path, false, solid, &named.solids)?;
+    if named.soft.contains(&solid) {
+        return Ok(());
+    }
+    let message = format!("the solid `{solid}` does not deform");
+    let help = "use material.neo_hookean, corotated or springs, or expect its `position`";
+    Err(v.error(path, message, help))
+}
+
 /// What `[expect]` may name.
 pub(in crate::file) struct Names<'a> {
     /// All solids.
@@ -260,7 +275,7 @@ impl Expect {
         }
         let rates = [
             ("period", self.period.map(|p| [p.value, p.tolerance])),
-            ("frequency", self.frequency.map(|f| [f.value, f.tolerance])),
+            ("frequency", self.frequency.as_ref().map(|f| [f.value, f.tolerance])),
         ];
         for (key, rate) in rates {
             let Some([value, tolerance]) = rate else { continue };
@@ -274,7 +289,9 @@ impl Expect {
         self.validate_reach(v)?;
         self.validate_angles(named, v)?;
         self.validate_solids(named, v)?;
-        self.validate_deflection(named, v)
+        self.validate_deflection(named, v)?;
+        let swinging = self.frequency.as_ref().and_then(|f| f.solid.as_deref());
+        swinging.map_or(Ok(()), |solid| deforms("expect.frequency.solid", solid, named, v))
     }
 
     fn validate_reach(&self, v: &Validator) -> Result<(), SceneError> {
@@ -350,12 +367,7 @@ impl Expect {
         for (i, deflection) in self.deflection.iter_mut().enumerate() {
             let path = entry("deflection", count, i);
             let solid = &deflection.solid;
-            v.known_solid(&format!("{path}.solid"), false, solid, &named.solids)?;
-            if !named.soft.contains(&solid.as_str()) {
-                let message = format!("the solid `{solid}` does not deform");
-                let help = "use material.neo_hookean, corotated or springs, or expect its `position`";
-                return Err(v.error(&format!("{path}.solid"), message, help));
-            }
+            deforms(&format!("{path}.solid"), solid, named, v)?;
             if deflection.min.is_none() && deflection.max.is_none() {
                 return Err(v.error(&path, "the deflection is not bounded", "give `min`, `max` or both"));
             }

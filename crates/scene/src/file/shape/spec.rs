@@ -157,8 +157,8 @@ pub enum ShapeSpec {
     Mesh {
         /// Path of the file, relative to the scene file. Closed surfaces (2D: closed lines) are `.obj`, `.ply` and
         /// `.stl` (3D only). Volume meshes, whose elements a deformable solid keeps, are `.msh` (Gmsh 2.2, 4.1),
-        /// `.node` with `.ele` (TetGen, Triangle) and `.vtk`. Built-in files are `builtin:duck.obj` and
-        /// `builtin:leaf.msh`.
+        /// `.node` with `.ele` (TetGen, Triangle) and `.vtk`. Built-in files are `builtin:box-net.msh`,
+        /// `builtin:duck.obj` and `builtin:leaf.msh`.
         #[serde(rename = "file")]
         path: PathBuf,
         /// Length of one unit of the file, above 0; 1 m by default.

@@ -1,27 +1,6 @@
-//! The built-in scenes.
+//! The list of the built-in scenes.
 
-use crate::error::{ErrorKind, SceneError, nearest};
-use crate::file::{LoadOptions, Scene};
-use serde::Serialize;
-use std::path::Path;
-
-/// A built-in scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Builtin {
-    /// Name.
-    pub name: &'static str,
-    /// 2 or 3.
-    pub dimension: u32,
-    /// The figure of the paper that it follows, if any.
-    pub figure: Option<&'static str>,
-    /// One-line summary of the scene.
-    pub line: &'static str,
-    /// Approximate cost of a run on two cores.
-    pub cost: &'static str,
-    /// The scene file.
-    #[serde(skip)]
-    pub text: &'static str,
-}
+use super::entry::Builtin;
 
 macro_rules! scene {
     ($name:literal, $dimension:literal, $line:literal, $cost:literal) => {
@@ -34,13 +13,13 @@ macro_rules! scene {
             figure: $figure,
             line: $line,
             cost: $cost,
-            text: include_str!(concat!("../../../scenes/", $name, ".toml")),
+            text: include_str!(concat!("../../../../scenes/", $name, ".toml")),
         }
     };
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 58] = [
+pub const BUILTINS: [Builtin; 71] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm radius oscillates in mode 2", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "A column of water collapses in a tank (Martin and Moyce)", "a few seconds"),
@@ -63,6 +42,13 @@ pub const BUILTINS: [Builtin; 58] = [
         2,
         Some("Fig. 12"),
         "A disc of liquid settles on a plate at Young's angle",
+        "ten seconds"
+    ),
+    scene!(
+        "fig12-contact-angle-180-2d",
+        2,
+        Some("Fig. 12"),
+        "A disc of liquid settles on a plate that it does not wet",
         "ten seconds"
     ),
     scene!(
@@ -98,6 +84,13 @@ pub const BUILTINS: [Builtin; 58] = [
         2,
         Some("Fig. 17 (a)"),
         "A sphere dips into a pool without a contact line: the liquid does not climb it",
+        "half a minute"
+    ),
+    scene!(
+        "fig17a-kinematic-sphere-hydrophobic-no-line",
+        2,
+        Some("Fig. 17 (a)"),
+        "A hydrophobic sphere without a contact line dips into a pool and comes out with a meniscus",
         "half a minute"
     ),
     scene!(
@@ -289,6 +282,20 @@ pub const BUILTINS: [Builtin; 58] = [
     ),
     scene!("cheerios", 3, "Two floating discs attract each other and meet", "ten minutes"),
     scene!(
+        "fig20-beam-neutral",
+        3,
+        Some("Fig. 20"),
+        "A drop falls on a neutral cantilever and rests there at Young's angle (78.5 degrees)",
+        "a quarter of an hour; --quality draft: five minutes"
+    ),
+    scene!(
+        "fig20-beam-no-line",
+        3,
+        Some("Fig. 20"),
+        "A drop on a cantilever without a contact line: it rests at 90 degrees whatever the tensions",
+        "a quarter of an hour; --quality draft: five minutes"
+    ),
+    scene!(
         "colliding-drops",
         3,
         "Two water drops meet slowly (We = 10), merge and oscillate",
@@ -316,6 +323,48 @@ pub const BUILTINS: [Builtin; 58] = [
         "half an hour; --quality draft: four minutes"
     ),
     scene!(
+        "fig10-four-petal",
+        3,
+        Some("Fig. 10"),
+        "A drop folds a sheet with four petals around itself",
+        "half an hour; --quality draft: four minutes"
+    ),
+    scene!(
+        "fig10-six-petal",
+        3,
+        Some("Fig. 10"),
+        "A drop folds a sheet with six petals around itself",
+        "half an hour; --quality draft: four minutes"
+    ),
+    scene!(
+        "fig10-triangle",
+        3,
+        Some("Fig. 10"),
+        "A drop folds a triangular sheet around itself",
+        "half an hour; --quality draft: four minutes"
+    ),
+    scene!(
+        "fig18-self-assembly",
+        3,
+        Some("Fig. 18"),
+        "A drop folds six panels that are joined by bridges to a box",
+        "half an hour; --quality draft: six minutes"
+    ),
+    scene!(
+        "fig11-leaf-hydrophobic",
+        3,
+        Some("Fig. 11"),
+        "A drop splashes on a hydrophobic leaf, and its pieces fly to a glass wall",
+        "half an hour; --quality draft: four minutes"
+    ),
+    scene!(
+        "fig11-leaf-hydrophilic",
+        3,
+        Some("Fig. 11"),
+        "A drop runs over a hydrophilic leaf, which stays wet up to its apex",
+        "half an hour; --quality draft: four minutes"
+    ),
+    scene!(
         "soft-pillars",
         3,
         "Soft hairs are drawn out of a bath, and surface tension pulls them together",
@@ -334,6 +383,27 @@ pub const BUILTINS: [Builtin; 58] = [
         Some("Fig. 15"),
         "A drop on a square sheet with the paper's springs, which is too stiff to fold",
         "an hour"
+    ),
+    scene!(
+        "fig19-beam-hydrophobic",
+        3,
+        Some("Fig. 19"),
+        "A fast drop hits a hydrophobic cantilever, breaks up and leaves it",
+        "an hour; --quality draft: ten minutes"
+    ),
+    scene!(
+        "fig19-beam-neutral",
+        3,
+        Some("Fig. 19"),
+        "A fast drop hits a neutral cantilever and breaks up; some of it stays",
+        "an hour; --quality draft: ten minutes"
+    ),
+    scene!(
+        "fig19-beam-hydrophilic",
+        3,
+        Some("Fig. 19"),
+        "A fast drop hits a hydrophilic cantilever and covers it with a film",
+        "an hour; --quality draft: ten minutes"
     ),
     scene!(
         "fig22-plate-90",
@@ -391,28 +461,3 @@ pub const BUILTINS: [Builtin; 58] = [
         "half an hour; --quality draft: a few minutes"
     ),
 ];
-
-/// Finds the built-in scene of this name.
-pub fn find(name: &str) -> Option<&'static Builtin> {
-    BUILTINS.iter().find(|b| b.name == name)
-}
-
-/// Opens a scene: the path of a `.toml` file, or the name of a built-in scene.
-///
-/// # Errors
-/// [`SceneError`] if there is no such scene (with the nearest name) or if the scene is invalid.
-pub fn open(scene: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
-    if let Some(b) = find(scene) {
-        return Scene::from_text(&format!("{}.toml", b.name), b.text, Path::new(""), options);
-    }
-    let path = Path::new(scene);
-    if path.extension().is_some() || path.exists() || path.components().count() > 1 {
-        return Scene::load(path, options);
-    }
-    let near = nearest(scene, BUILTINS.iter().map(|b| b.name));
-    let near = near.map_or_else(String::new, |n| format!("did you mean `{n}`? "));
-    let help =
-        format!("{near}`meniscus scenes` lists the built-in scenes; the name of a scene file ends in .toml");
-    let error = SceneError::new(format!("there is no built-in scene `{}`", scene.escape_debug()));
-    Err(SceneError { kind: ErrorKind::Io, ..error.with_help(help) })
-}
