@@ -1,7 +1,9 @@
 //! Reading and writing of surface meshes as PLY files.
 //!
 //! The reader accepts ASCII and binary files of either byte order with any scalar types; polygons are split into fans of
-//! triangles. The writer makes binary little-endian files with positions in double precision.
+//! triangles, and faces of two vertices are edges, as is the element `edge`. The writer makes binary little-endian files with
+//! positions in double precision. It writes edges as faces of two vertices: `meshio` refuses every element but `vertex` and
+//! `face`, and reads such faces as lines.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -65,8 +67,8 @@ impl PlyMesh {
         std::fs::rename(&beside, path).map_err(fail)
     }
 
-    /// Writes the mesh, binary little-endian. The values `kind` become `uchar`, `solid` becomes `int`, all
-    /// others `double`; missing values at the end of an array are 0.
+    /// Writes the mesh, binary little-endian: triangles, then edges as faces of two vertices. The values `kind` become `uchar`,
+    /// `solid` becomes `int`, all others `double`; missing values at the end of an array are 0.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let mut head = String::from("ply\nformat binary_little_endian 1.0\n");
         for c in &self.comments {
@@ -77,14 +79,8 @@ impl PlyMesh {
         for name in self.scalars.keys() {
             head += &format!("property {} {}\n", scalar_type(name), name.replace(char::is_whitespace, "_"));
         }
-        if !self.faces.is_empty() || self.edges.is_empty() {
-            head += &format!("element face {}\nproperty list uchar int vertex_indices\n", self.faces.len());
-        }
-        if !self.edges.is_empty() {
-            head += &format!("element edge {}\n", self.edges.len());
-            head += "property int vertex1\nproperty int vertex2\n";
-        }
-        head += "end_header\n";
+        head += &format!("element face {}\n", self.faces.len() + self.edges.len());
+        head += "property list uchar int vertex_indices\nend_header\n";
         out.write_all(head.as_bytes())?;
         out.write_all(&self.body())
     }
@@ -98,7 +94,7 @@ impl PlyMesh {
     fn body(&self) -> Vec<u8> {
         let per_vertex = 24 + 8 * self.scalars.len();
         let mut b = Vec::with_capacity(
-            self.positions.len() * per_vertex + self.faces.len() * 13 + self.edges.len() * 8,
+            self.positions.len() * per_vertex + self.faces.len() * 13 + self.edges.len() * 9,
         );
         for (v, p) in self.positions.iter().enumerate() {
             p.iter().for_each(|x| b.extend_from_slice(&x.to_le_bytes()));
@@ -115,7 +111,10 @@ impl PlyMesh {
             b.push(3);
             f.iter().for_each(|i| b.extend_from_slice(&i.to_le_bytes()));
         }
-        self.edges.iter().flatten().for_each(|i| b.extend_from_slice(&i.to_le_bytes()));
+        for e in &self.edges {
+            b.push(2);
+            e.iter().for_each(|i| b.extend_from_slice(&i.to_le_bytes()));
+        }
         b
     }
 }
@@ -399,12 +398,15 @@ fn read_faces(cursor: &mut Cursor, element: &Element, mesh: &mut PlyMesh) -> Res
                 corners.push(x);
             }
         })?;
-        if corners.len() < 3 {
-            return Err(format!("a face has {} corners", corners.len()));
-        }
-        let first = index(corners[0])?;
-        for pair in corners[1..].windows(2) {
-            mesh.faces.push([first, index(pair[0])?, index(pair[1])?]);
+        match corners[..] {
+            [] | [_] => return Err(format!("a face has {} corners", corners.len())),
+            [a, b] => mesh.edges.push([index(a)?, index(b)?]),
+            [first, ref others @ ..] => {
+                let first = index(first)?;
+                for pair in others.windows(2) {
+                    mesh.faces.push([first, index(pair[0])?, index(pair[1])?]);
+                }
+            }
         }
     }
     Ok(())

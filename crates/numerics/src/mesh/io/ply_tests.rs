@@ -27,6 +27,24 @@ fn binary_round_trip_keeps_every_bit() {
     assert_eq!(back.time(), Some(0.25));
 }
 
+/// Files of earlier versions have an element `edge`.
+#[test]
+fn edges_are_written_as_faces_of_two_vertices_and_read_as_either() {
+    let sample = PlyMesh { faces: Vec::new(), edges: vec![[0, 3], [3, 1]], ..sample() };
+    let written = bytes(&sample);
+    let header = String::from_utf8_lossy(&written);
+    assert!(!header.contains("element edge") && header.contains("element face 2\n"));
+    assert_eq!(PlyMesh::from_bytes(&written).unwrap(), sample);
+
+    let end = written.windows(11).position(|w| w == b"end_header\n").unwrap();
+    let faces = written.windows(12).position(|w| w == b"element face").unwrap();
+    let mut old = written[..faces].to_vec();
+    old.extend_from_slice(b"element edge 2\nproperty int vertex1\nproperty int vertex2\nend_header\n");
+    old.extend_from_slice(&written[end + 11..written.len() - 18]);
+    sample.edges.iter().flatten().for_each(|v| old.extend_from_slice(&v.to_le_bytes()));
+    assert_eq!(PlyMesh::from_bytes(&old).unwrap(), sample);
+}
+
 #[test]
 fn file_round_trip_and_error_names_the_path() {
     let dir = std::env::temp_dir().join(format!("meniscus-ply-{}", std::process::id()));
@@ -85,7 +103,7 @@ fn malformed_files_are_errors() {
             .into_bytes(),
         format!("{head}element face 1\nproperty list uchar int vertex_indices\nend_header\n1 1\n3 0 0 -1\n")
             .into_bytes(),
-        format!("{head}element face 1\nproperty list uchar int vertex_indices\nend_header\n1 1\n2 0 0\n")
+        format!("{head}element face 1\nproperty list uchar int vertex_indices\nend_header\n1 1\n1 0\n")
             .into_bytes(),
         format!("{head}element edge 1\nproperty int vertex1\nend_header\n1 1\n0\n").into_bytes(),
     ];
