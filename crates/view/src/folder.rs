@@ -187,7 +187,7 @@ impl RunFolder {
     }
 
     /// Names of the solids in scene order, to which the `solid` numbers of contact lines refer; sorted by name if unknown.
-    pub(crate) fn solid_order(&self) -> Vec<String> {
+    pub fn solid_order(&self) -> Vec<String> {
         let listed = self.summary.get("solids").and_then(|s| s.as_array());
         let name = |s: &serde_json::Value| s.get("name")?.as_str().map(String::from);
         let names: Option<Vec<String>> = listed.map(|list| list.iter().filter_map(name).collect());
