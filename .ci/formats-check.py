@@ -52,30 +52,32 @@ class Ply:
         table = np.frombuffer(self.body, np.dtype(properties), count)
         self.points = np.stack([table[axis] for axis in "xyz"], axis=1)
         self.attributes = {name: table[name] for name, _ in properties[3:]}
-        rest = self.body[table.nbytes :]
-        self.corners = rest[0] if faces else 0
-        cells = np.frombuffer(rest, [("n", "u1"), ("v", "<i4", (max(self.corners, 1),))], faces)
-        assert (cells["n"] == self.corners).all() and len(rest) == cells.nbytes
-        self.cells = cells["v"]
+        columns = [table[name] for name, _ in properties if name.split("_")[0] == "next"]
+        edges = [(a, b) for column in columns for a, b in enumerate(column) if b >= 0]
+        self.edges = np.array(sorted(edges), int).reshape(-1, 2)
+        cells = np.frombuffer(self.body[table.nbytes :], [("n", "u1"), ("v", "<i4", 3)], faces)
+        assert (cells["n"] == 3).all() and len(self.body) == table.nbytes + cells.nbytes
+        self.triangles = cells["v"]
+        self.is_points = not len(self.edges) and not faces
 
-    triangles = property(lambda self: self.cells if self.corners == 3 else np.zeros((0, 3), int))
-    edges = property(lambda self: self.cells if self.corners == 2 else np.zeros((0, 2), int))
+    def data(self):
+        """Attributes without those that tell the edges."""
+        return {name: values for name, values in self.attributes.items() if name.split("_")[0] != "next"}
 
 
 def check_ply(path, ply):
     mesh = meshio.read(path)
     same(path, mesh.points, ply.points)
-    kind = {0: [], 2: ["line"], 3: ["triangle"]}[int(ply.corners)]
-    assert [block.type for block in mesh.cells] == kind, (path, mesh.cells)
+    assert [block.type for block in mesh.cells] == ["triangle"] * bool(len(ply.triangles)), (path, mesh.cells)
     for block in mesh.cells:
-        same(path, block.data, ply.cells)
+        same(path, block.data, ply.triangles)
     assert sorted(mesh.point_data) == sorted(ply.attributes)
     for name, values in ply.attributes.items():
         same(f"{path} {name}", mesh.point_data[name], values)
     loaded = trimesh.load(path, process=False)
     same(path, loaded.vertices, ply.points)
-    if ply.corners == 3:
-        same(path, loaded.faces, ply.cells)
+    if len(ply.triangles):
+        same(path, loaded.faces, ply.triangles)
 
 
 def cells_of(array):
@@ -106,10 +108,10 @@ def check_vtp(path, ply):
     same(path, vtk_to_numpy(output.GetPoints().GetData()), ply.points)
     same(path, np.array(cells_of(output.GetPolys()), int).reshape(-1, 3), ply.triangles)
     same(path, np.array(edges_of(cells_of(output.GetLines()))).reshape(-1, 2), np.array(edges_of(ply.edges)).reshape(-1, 2))
-    same(path, output.GetNumberOfVerts(), 0 if ply.corners else len(ply.points))
+    same(path, output.GetNumberOfVerts(), len(ply.points) if ply.is_points else 0)
     data = data_of(output.GetPointData())
-    assert sorted(data) == sorted(ply.attributes), (path, list(data))
-    for name, values in ply.attributes.items():
+    assert sorted(data) == sorted(ply.data()), (path, list(data))
+    for name, values in ply.data().items():
         same(f"{path} {name}", data[name], values)
         assert data[name].dtype == values.dtype.newbyteorder("="), (path, name)
     angle = output.GetPointData().GetArray("angle")
@@ -122,9 +124,9 @@ def check_obj(path, ply, scale=1.0, turn=False):
     points = np.stack([x, z, -y] if turn else [x, y, z], axis=1)
     for mesh in (meshio.read(path), trimesh.load(path, process=False)):
         same(path, mesh.points if hasattr(mesh, "points") else mesh.vertices, points)
-    if ply.corners == 3:
+    if len(ply.triangles):
         mesh = trimesh.load(path, process=False)
-        same(path, mesh.faces, ply.cells)
+        same(path, mesh.faces, ply.triangles)
         normals = meshio.read(path).point_data["obj:vn"]
         assert np.allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-6), path
     lines = [[int(v) - 1 for v in line.split()[1:]] for line in path.read_text().splitlines() if line.startswith("l ")]
@@ -136,14 +138,14 @@ def check_glb(path, meshes, dimension):
     assert sorted(scene.geometry) == sorted(meshes), (path, list(scene.geometry))
     for name, ply in meshes.items():
         mesh = scene.geometry[name]
-        if ply.corners == 2:
+        if len(ply.edges):
             same(f"{path} {name}", edges_of(e.points for e in mesh.entities), edges_of(ply.edges))
         same(f"{path} {name}", np.asarray(mesh.vertices, "f4"), ply.points.astype("f4"))
-        if ply.corners != 3:
+        if not len(ply.triangles):
             continue
-        same(f"{path} {name}", mesh.faces, ply.cells)
+        same(f"{path} {name}", mesh.faces, ply.triangles)
         same(f"{path} {name}", mesh.visual.vertex_colors.shape, (len(ply.points), 4))
-        for attribute, values in ply.attributes.items():
+        for attribute, values in ply.data().items():
             found = mesh.vertex_attributes["_" + attribute.upper()]
             same(f"{path} {attribute}", np.asarray(found, "f4").reshape(-1), values.astype("f4"))
         outward = (mesh.vertex_normals * (mesh.vertices - mesh.vertices.mean(axis=0))).sum(axis=1)
@@ -161,7 +163,7 @@ def check_csv(path, ply):
     table = np.array(rows, float)
     same(path, table[:, 0], np.full(len(ply.points), ply.time))
     same(path, table[:, 1:4], ply.points)
-    assert sorted(names[4:]) == sorted(ply.attributes)
+    assert sorted(names[4:]) == sorted(ply.data())
     for column, name in enumerate(names[4:], 4):
         same(f"{path} {name}", table[:, column], ply.attributes[name])
 
@@ -226,7 +228,7 @@ def main(run):
     frames = run / "frames"
     stored = {path.stem: Ply(path) for path in sorted(frames.glob("*.ply"))}
     numbers = sorted({stem.rsplit("_", 1)[1] for stem in stored})
-    dimension = 3 if stored[f"liquid_{numbers[0]}"].corners == 3 else 2
+    dimension = 3 if len(stored[f"liquid_{numbers[0]}"].triangles) else 2
     lines = [stem for stem in stored if stem.startswith("contact_line")]
     assert len(numbers) > 2 and lines, "the scene should have frames and contact lines"
     times = {number: stored[f"liquid_{number}"].time for number in numbers}

@@ -197,7 +197,13 @@ fn contact_line<const D: usize>(line: &ContactLine<D>) -> FrameMesh {
     }
     attributes.push(Attribute::known("solid", of(&|p| f64::from(p.solid))));
     let positions = line.points.iter().map(|p| padded_to_3d(&p.at)).collect();
-    FrameMesh { positions, triangles: Vec::new(), edges: line.segments.clone(), attributes }
+    FrameMesh { positions, triangles: Vec::new(), edges: in_order(line.segments.clone()), attributes }
+}
+
+/// Edges ordered by their first vertex, as they are in stored files.
+fn in_order(mut edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
+    edges.sort_by_key(|[from, _]| *from);
+    edges
 }
 
 /// A mesh without attributes.
@@ -205,7 +211,7 @@ fn mesh<const D: usize>(surface: &SurfaceMesh<D>) -> FrameMesh {
     let positions = surface.positions.iter().map(padded_to_3d).collect();
     let mut mesh = FrameMesh { positions, ..FrameMesh::default() };
     if D == 2 {
-        mesh.edges = surface.facets.iter().map(|f| [f[0], f[1]]).collect();
+        mesh.edges = in_order(surface.facets.iter().map(|f| [f[0], f[1]]).collect());
     } else {
         mesh.triangles = surface.facets.iter().map(|f| [f[0], f[1], f[D - 1]]).collect();
     }

@@ -39,7 +39,7 @@ fn ply(mesh: &FrameMesh, frame: &Frame) -> PlyMesh {
         "unit metre".into(),
     ];
     if !mesh.edges.is_empty() {
-        comments.push("faces of two vertices are edges".into());
+        comments.push("next vertex to which an edge leads, or -1".into());
     }
     comments.extend(mesh.attributes.iter().filter_map(comment));
     PlyMesh {
