@@ -40,7 +40,9 @@ fn write(file: &mut impl Write, name: &str, mesh: &FrameMesh, time: f64) -> io::
     }
     let mut element = |letter: &str, vertices: &mut dyn Iterator<Item = u32>| {
         write!(file, "{letter}")?;
-        vertices.try_for_each(|v| write!(file, " {}", v + 1))?;
+        for vertex in vertices {
+            write!(file, " {}", vertex + 1)?;
+        }
         writeln!(file)
     };
     polylines(mesh.positions.len(), &mesh.edges)
