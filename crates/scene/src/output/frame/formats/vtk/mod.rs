@@ -166,9 +166,9 @@ mod tests {
     #[test]
     fn the_collection_lists_what_is_in_the_folder() {
         let (place, mut frame) = (Place::new("pvd"), full_frame());
-        for number in 0..3 {
-            frame.time = 0.1 * f64::from(number);
-            VtkWriter.write(&place.0, number.into(), &frame).unwrap();
+        for (number, time) in [0.0, 0.1, 0.2].into_iter().enumerate() {
+            frame.time = time;
+            VtkWriter.write(&place.0, number as u64, &frame).unwrap();
         }
         let listed = |place: &Place| {
             let text = place.text("run.pvd");
