@@ -1,4 +1,4 @@
-"""Reads all files of a run and of its exports with meshio, trimesh and VTK, and compares them with the PLY files as read here.
+"""Reads all files of a run and of its exports with meshio, trimesh, VTK and PyVista, and compares them with the PLY files as read here.
 
     python formats-check.py RUN    RUN has frames/ with all formats, export/FORMAT/ of each, and turned/ with a scaled OBJ
 """
@@ -11,6 +11,7 @@ from pathlib import Path
 
 import meshio
 import numpy as np
+import pyvista
 import trimesh
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
@@ -226,7 +227,7 @@ def check_vti(path, liquid):
 
 
 def check_pvd(path, times):
-    """Files and times of a collection; ParaView's reader of it is not in the wheel of VTK."""
+    """Files and times of a collection, also as PyVista reads it."""
     entries = ET.parse(path).getroot().find("Collection").findall("DataSet")
     files = sorted(p.name for p in path.parent.iterdir() if p.suffix in (".vtp", ".vtu"))
     assert sorted(e.get("file") for e in entries) == files, path
@@ -238,6 +239,12 @@ def check_pvd(path, times):
         assert parts.setdefault(entry.get("part"), name) == name, path
     order = [float(e.get("timestep")) for e in entries]
     assert order == sorted(order), path
+    reader = pyvista.get_reader(str(path))
+    same(path, reader.time_values, sorted(times.values()))
+    reader.set_active_time_value(reader.time_values[-1])
+    blocks = reader.read()
+    last = [e.get("file") for e in entries if float(e.get("timestep")) == order[-1]]
+    assert blocks.n_blocks == len(last) and all(block.n_points for block in blocks), path
 
 
 def main(run):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs two small scenes with all formats of frames, exports them again, and reads every file back with the programs that our users have:
-# meshio, trimesh and VTK. Without Python 3.10 or newer, or a package index to install them from, the test is left out.
+# meshio, trimesh, VTK and PyVista. Without Python 3.10 or newer, or a package index to install them from, the test is left out.
 #   .ci/formats-test.sh MENISCUS     the binary; PYTHON=… chooses a Python that has the packages already
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -16,7 +16,7 @@ if [ -z "$python" ]; then
         exit 0
     fi
     python=$work/venv/bin/python
-    if ! "$python" -m pip install -q --disable-pip-version-check "numpy<2" meshio==5.3.5 trimesh==5.2.0 vtk==9.7.2 >"$work/pip" 2>&1; then
+    if ! "$python" -m pip install -q --disable-pip-version-check "numpy<2" meshio==5.3.5 trimesh==5.2.0 vtk==9.7.2 pyvista==0.49.1 scipy >"$work/pip" 2>&1; then
         echo "formats-test: LEFT OUT: pip cannot install meshio, trimesh and vtk here: $(tail -n 1 "$work/pip")"
         exit 0
     fi

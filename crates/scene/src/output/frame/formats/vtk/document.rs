@@ -77,9 +77,12 @@ impl Document {
 
     fn array(&mut self, kind: &str, name: &str, components: usize, unit: &str, bytes: &[u8]) {
         let (name, unit, offset) = (escaped(name), escaped(unit), self.data.len());
+        // `meshio` makes a matrix with one column of an array with a number of components.
+        let components =
+            if components == 1 { String::new() } else { format!(" NumberOfComponents=\"{components}\"") };
         let _ = write!(
             self.text,
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\""
+            "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"appended\" offset=\"{offset}\""
         );
         let _ = match &*unit {
             "" | "1" => writeln!(self.text, "/>"),
