@@ -30,7 +30,8 @@ fn a_run_and_an_export_write_the_same_files() {
     for format in ["ply", "vtk", "obj", "glb", "csv"] {
         place.expect(&format!("export run --to {format}"), 0);
         let exported = place.path(&format!("run/export/{format}"));
-        for extension in if format == "vtk" { ["vtp", "pvd"].as_slice() } else { &[format] } {
+        let extensions = if format == "vtk" { vec!["vtp", "pvd"] } else { vec![format] };
+        for extension in extensions {
             let of_run: Vec<_> =
                 files(&frames, extension).into_iter().filter(|f| f.0 != "fields.pvd").collect();
             assert!(!of_run.is_empty(), "{extension}");
