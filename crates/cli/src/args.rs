@@ -1,7 +1,10 @@
 //! The command line, parsed by `clap`.
 
-use crate::values::{frame_range, hex_color, picture_range, picture_size, wall_time};
+use crate::values::{
+    export_format, frame_range, hex_color, picture_range, picture_size, scale_factor, wall_time,
+};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use meniscus_scene::output::frame::Format;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -86,6 +89,8 @@ pub enum Command {
     Page(PageArgs),
     /// Render pictures of a run, and a film if ffmpeg is installed.
     Render(RenderArgs),
+    /// Convert the stored frames of a run to another format, for ParaView, Blender and other programs.
+    Export(ExportArgs),
     /// Print the JSON Schema of scene files, for editors (see docs/scene.md).
     Schema(SchemaArgs),
     /// Print version, build and machine.
@@ -428,6 +433,52 @@ pub struct RenderArgs {
     /// Take every n-th frame.
     #[arg(long, default_value_t = 1)]
     pub every: u32,
+}
+
+const EXPORT_HELP: &str = "\
+Formats (docs/formats.md tells which program reads which, and with what):
+  vtk   surfaces and contact lines for ParaView (.vtp), run.pvd with the times
+  obj   surfaces and contact lines as Wavefront OBJ
+  glb   each frame as one binary glTF file, for slides and the web
+  csv   tables of the contact line: position, angle, speed, force
+  ply   as stored, such as with another --scale
+Stored frames have surfaces and contact lines. Elements of deformable solids
+(.vtu) and fields on the grid (.vti) are written by a run whose scene has
+output.formats = [\"vtk\", \"vti\"].";
+
+/// `meniscus export`.
+#[derive(Debug, Args)]
+#[command(after_help = EXPORT_HELP)]
+pub struct ExportArgs {
+    /// The output folder of a run.
+    pub dir: PathBuf,
+    /// The format: ply, vtk, obj, glb or csv.
+    #[arg(long, value_name = "FORMAT", value_parser = export_format)]
+    pub to: Format,
+    /// Only these frames: one, or first:last.
+    #[arg(long, value_name = "N|A:B", value_parser = picture_range)]
+    pub frames: Option<(u64, u64)>,
+    /// Take every n-th frame.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
+    /// Folder for the files. Default: export/FORMAT in the output folder, where files of an earlier export are removed.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Multiply all positions by this factor, such as 100 for centimetres. Attributes keep their units.
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = scale_factor)]
+    pub scale: f64,
+    /// Turn the frames so that this axis points up. Default: z in 3D, y in 2D, as in the scene. (GLB files always have y up.)
+    #[arg(long, value_enum)]
+    pub up: Option<UpAxis>,
+}
+
+/// The axis that points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UpAxis {
+    /// The second one.
+    Y,
+    /// The third one.
+    Z,
 }
 
 #[cfg(test)]

@@ -56,18 +56,14 @@ fn dispatch(command: Command) -> Result {
         Command::Schema(args) => commands::info::schema(args.markdown),
         Command::Info(args) => commands::info::info(args.json),
         Command::Completions { shell } => commands::info::completions(shell),
+        Command::Export(args) => commands::export::export(&args),
         Command::Measure(args) => commands::measure::measure(&args),
     }
 }
 
 /// Commands that this version does not have, with alternatives. They are in no help text and no completion.
-const UNAVAILABLE_COMMANDS: [(&str, &str); 2] = [
-    (
-        "export",
-        "frames/ holds PLY files: Blender and MeshLab read them with their attributes, ParaView the geometry",
-    ),
-    ("sweep", "a shell loop over `meniscus run --set path=value --out DIR` does the same"),
-];
+const UNAVAILABLE_COMMANDS: [(&str, &str); 1] =
+    [("sweep", "a shell loop over `meniscus run --set path=value --out DIR` does the same")];
 
 /// Parses the command line. Errors of clap go to standard error, with exit status 2.
 fn parsed() -> Result<Cli> {

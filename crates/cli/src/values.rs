@@ -1,5 +1,6 @@
-//! Values on the command line: times, ranges of frames, sizes of pictures, colours.
+//! Values on the command line: times, ranges of frames, sizes of pictures, colours, formats.
 
+use meniscus_scene::output::frame::Format;
 use std::time::Duration;
 
 /// `10:20` → (10, 20); an open end stands for the first or last frame.
@@ -63,6 +64,28 @@ pub fn picture_size(text: &str) -> Result<(u32, u32), String> {
     Ok((side(w)?, side(h)?))
 }
 
+/// A format to which stored frames can be converted.
+pub fn export_format(text: &str) -> Result<Format, String> {
+    let instead = match text {
+        "vti" => {
+            "stored frames have no fields on the grid: run the scene with output.formats = [\"vti\"]; accepted here"
+        }
+        "page" => "`meniscus page DIR` makes the page of a run; accepted here",
+        "usd" | "vdb" => "this version does not write it yet; accepted",
+        _ => "accepted",
+    };
+    let has_surfaces = |f: &Format| f.frame_writer().is_some() && *f != Format::Vti;
+    let found = Format::ALL.into_iter().filter(has_surfaces).find(|f| f.name() == text);
+    let names: Vec<&str> = Format::ALL.into_iter().filter(has_surfaces).map(Format::name).collect();
+    found.ok_or_else(|| format!("{instead}: {}", names.join(", ")))
+}
+
+/// A positive number.
+pub fn scale_factor(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|s| s.is_finite() && *s > 0.0);
+    number.ok_or_else(|| "expected a number above 0, such as 100 for centimetres".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,6 +102,12 @@ mod tests {
         assert_eq!(picture_size("640x360"), Ok((640, 360)));
         assert!(picture_size("0x360").is_err());
         assert_eq!((picture_range("7"), picture_range("3:7")), (Ok((7, 7)), Ok((3, 7))));
+        assert_eq!((scale_factor("1e3"), export_format("vtk")), (Ok(1000.0), Ok(Format::Vtk)));
+        assert!(["0", "-1", "inf", "nan", "1 m"].iter().all(|s| scale_factor(s).is_err()));
+        assert!(
+            export_format("usd").is_err_and(|e| e.contains("yet") && e.contains("ply, vtk, obj, glb, csv"))
+        );
+        assert!(export_format("vti").is_err_and(|e| e.contains("output.formats")));
         assert_eq!(hex_color("#ff8000"), Ok(0xff8000));
         assert!(hex_color("red").is_err() && hex_color("fff").is_err());
     }

@@ -5,7 +5,7 @@ use crate::term::energy_density::{cofactor, determinant};
 use crate::term::inversion_barrier::CRUSHED_VOLUME_RATIO;
 use crate::{Elastic, ElasticState};
 use meniscus_numerics::mesh::Simplex;
-use meniscus_numerics::{Vector, par, rotation_planes};
+use meniscus_numerics::{Matrix, Vector, par, rotation_planes};
 use rayon::prelude::*;
 
 impl<const D: usize> Elastic<D> {
@@ -79,6 +79,28 @@ impl<const D: usize> Elastic<D> {
             }
         }
         sums.into_iter().map(|(volume, sum)| if volume > 0.0 { sum / volume } else { 0.0 }).collect()
+    }
+
+    /// Cauchy stress at each vertex, Pa: that of the adjacent elements, with their rest volumes as weights; in 2D the stress in the
+    /// plane, under plane strain. `None` for solids that are no continuum, such as springs. Viscous stresses are not in it.
+    pub fn cauchy_stresses(&self, positions: &[Vector<D>]) -> Option<Vec<Matrix<D>>> {
+        let mut sums = vec![(0.0, Matrix::zeros()); positions.len()];
+        self.terms.iter().for_each(|term| term.add_stress_sums(positions, &mut sums));
+        let any = sums.iter().any(|(volume, _)| *volume > 0.0);
+        let mean = |(volume, sum): (f64, Matrix<D>)| if volume > 0.0 { sum / volume } else { sum };
+        any.then(|| sums.into_iter().map(mean).collect())
+    }
+
+    /// Green strain `(Fᵀ F − 1)/2` of each element of the mesh, with the deformation gradient `F` of the element as a linear one. A
+    /// quadratic element consists of `2^D` of the mesh's elements.
+    pub fn green_strains(&self, positions: &[Vector<D>]) -> Vec<Matrix<D>> {
+        let of = |simplex: &Simplex<D>| {
+            let edges = simplex.edges(&self.rest_mesh.positions);
+            let across = cofactor(&edges) / determinant(&edges);
+            let f = simplex.edges(positions) * across.transpose();
+            (f.transpose() * f - Matrix::identity()) * 0.5
+        };
+        self.rest_mesh.simplices.par_iter().with_min_len(1024).map(of).collect()
     }
 
     /// Largest Frobenius norm of the rate `Ḟ` of the deformation gradient in an element, 1/s.

@@ -155,14 +155,20 @@ impl RunFolder {
         self.dir.join("frames").join(format!("{what}_{number:04}.ply"))
     }
 
+    /// Reads a mesh. Its edges are in one order, whether the file has them as an element or as a property of the vertices.
+    fn mesh(&self, what: &str, number: u32) -> Result<PlyMesh> {
+        let mut mesh = PlyMesh::load(&self.mesh_path(what, number))?;
+        mesh.edges.sort_by_key(|[from, _]| *from);
+        Ok(mesh)
+    }
+
     fn optional(&self, what: &str, number: u32) -> Result<Option<PlyMesh>> {
-        let path = self.mesh_path(what, number);
-        Ok(if path.is_file() { Some(PlyMesh::load(&path)?) } else { None })
+        self.mesh_path(what, number).is_file().then(|| self.mesh(what, number)).transpose()
     }
 
     /// Reads the meshes of one frame.
     pub fn frame(&self, number: u32) -> Result<Frame> {
-        let liquid = PlyMesh::load(&self.mesh_path("liquid", number))?;
+        let liquid = self.mesh("liquid", number)?;
         let mut solids = BTreeMap::new();
         for name in &self.solids {
             if let Some(mesh) = self.optional(&format!("solid_{name}"), number)? {
@@ -187,7 +193,7 @@ impl RunFolder {
     }
 
     /// Names of the solids in scene order, to which the `solid` numbers of contact lines refer; sorted by name if unknown.
-    pub(crate) fn solid_order(&self) -> Vec<String> {
+    pub fn solid_order(&self) -> Vec<String> {
         let listed = self.summary.get("solids").and_then(|s| s.as_array());
         let name = |s: &serde_json::Value| s.get("name")?.as_str().map(String::from);
         let names: Option<Vec<String>> = listed.map(|list| list.iter().filter_map(name).collect());

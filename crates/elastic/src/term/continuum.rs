@@ -295,6 +295,27 @@ impl<P: EnergyDensity<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
         self.add_stress_forces(stresses, forces);
     }
 
+    /// With the Cauchy stress `P Fᵀ / det F` of the Piola–Kirchhoff stress `P`, as a mean over the quadrature points.
+    fn add_stress_sums(&self, x: &[Vector<D>], sums: &mut [(f64, Matrix<D>)]) {
+        let of = |element: usize| {
+            let (fs, stresses) = (self.deformation_gradients(element, x), self.stresses(element, x));
+            let mut own = (0.0, Matrix::zeros());
+            for (q, k) in self.points.points_of(element).enumerate() {
+                let volume = self.points.volumes[k];
+                let stress = stresses.map_or(Matrix::zeros(), |all| all[q] * fs[q].transpose());
+                own = (own.0 + volume, own.1 + stress * (volume / determinant(&fs[q])));
+            }
+            own
+        };
+        let all = Self::map_elements(0..self.points.elements.len(), of);
+        for (vertices, (volume, stress)) in self.points.elements.iter().zip(all) {
+            for v in vertices {
+                let sum = &mut sums[*v as usize];
+                *sum = (sum.0 + volume, sum.1 + stress);
+            }
+        }
+    }
+
     fn add_tangent(&self, x: &[Vector<D>], weights: TangentWeights, matrix: &mut BlockMatrix<D>) {
         let count = self.points.elements.len();
         for start in (0..count).step_by(ELEMENTS_PER_BATCH) {

@@ -13,7 +13,7 @@ pub mod springs;
 pub mod surface_tension;
 
 use crate::linalg::{BlockMatrix, Cliques};
-use meniscus_numerics::Vector;
+use meniscus_numerics::{Matrix, Vector};
 use std::fmt::Debug;
 
 /// Weights of the tangents that a term adds to a matrix.
@@ -42,6 +42,10 @@ pub trait ForceTerm<const D: usize>: Debug + Send + Sync {
 
     /// Adds the viscous forces `−time K̂ v`, N (2D: N/m), with `time` in s. They dissipate energy and conserve both momenta.
     fn add_viscous_forces(&self, x: &[Vector<D>], v: &[Vector<D>], time: f64, forces: &mut [Vector<D>]);
+
+    /// Adds to the sums of each vertex the volumes at rest, m³ (2D: m²), of the elements around it, and the products of these and
+    /// of their Cauchy stress, Pa. Nothing for terms that are no continuum.
+    fn add_stress_sums(&self, _: &[Vector<D>], _: &mut [(f64, Matrix<D>)]) {}
 
     /// Adds the tangents, N/m (2D: N/m²); the matrix must have a block for every pair of a group in [`Self::couplings`].
     fn add_tangent(&self, x: &[Vector<D>], weights: TangentWeights, matrix: &mut BlockMatrix<D>);

@@ -1,9 +1,9 @@
 //! Energy and momenta over many steps.
 
 use crate::lattice::{Noise, clamped, free, quadratic, rubber};
-use meniscus_elastic::{Anchor, Elastic, ElasticState, TangentWeights};
-use meniscus_numerics::Vector;
+use meniscus_elastic::{Anchor, ConstitutiveLaw, Elastic, ElasticState, ElementOrder, Lame, TangentWeights};
 use meniscus_numerics::mesh::{Simplex, VolumeMesh};
+use meniscus_numerics::{Matrix, Vector};
 
 /// The highest frequency of a body at rest, rad/s, by power iteration.
 fn highest<const D: usize>(body: &Elastic<D>) -> f64 {
@@ -158,4 +158,40 @@ fn threads_do_not_matter() {
         })
     };
     assert_eq!(run(1), run(3));
+}
+
+/// Hooke's law for small strains, turned with the solid; the Green strain does not turn.
+fn stresses_are_hookes<const D: usize>(law: ConstitutiveLaw, lame: Lame) {
+    let body = Elastic::new(free(quadratic::<D>([2; D], [1.0; D]), 1.0, law)).unwrap();
+    let small = Matrix::<D>::from_fn(|r, c| 1e-5 * (1.0 + (r + c) as f64 - if r == c { 3.0 } else { 0.0 }));
+    let (sin, cos) = 0.7f64.sin_cos();
+    let mut turn = Matrix::<D>::identity();
+    [(0, 0, cos), (0, 1, -sin), (1, 0, sin), (1, 1, cos)].into_iter().for_each(|(r, c, x)| turn[(r, c)] = x);
+    let f = turn * (Matrix::identity() + small);
+    let x: Vec<Vector<D>> = body.rest_mesh().positions.iter().map(|x| f * x).collect();
+    let hooke = Matrix::identity() * (lame.lambda * small.trace()) + small * (2.0 * lame.mu);
+    let told = turn * hooke * turn.transpose();
+    for stress in body.cauchy_stresses(&x).unwrap() {
+        assert!((stress - told).norm() < 1e-3 * told.norm(), "{stress} against {told}");
+    }
+    for strain in body.green_strains(&x) {
+        assert!((strain - small).norm() < 1e-3 * small.norm(), "{strain} against {small}");
+    }
+    assert!(body.cauchy_stresses(&body.rest_mesh().positions).unwrap().iter().all(|s| s.norm() < 1e-9));
+}
+
+#[test]
+fn stresses_of_small_strains_are_hookes() {
+    let lame = Lame::new(2.0, 0.3);
+    for order in [ElementOrder::Linear, ElementOrder::Quadratic] {
+        for law in
+            [ConstitutiveLaw::neo_hookean(2.0, 0.3, order), ConstitutiveLaw::corotated(2.0, 0.3, order)]
+        {
+            stresses_are_hookes::<2>(law, lame);
+            stresses_are_hookes::<3>(law, lame);
+        }
+    }
+    let springs = ConstitutiveLaw::Springs { stiffness: 1.0 };
+    let body = Elastic::new(free(quadratic::<2>([2; 2], [1.0; 2]), 1.0, springs)).unwrap();
+    assert!(body.cauchy_stresses(&body.rest_mesh().positions).is_none());
 }

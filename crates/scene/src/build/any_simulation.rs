@@ -4,7 +4,7 @@ use super::setup::{AnySetup, names_and_mesh_edges};
 use crate::error::SceneError;
 use crate::file::Scene;
 use crate::job::padded_to_3d;
-use crate::output::frame::{Frame, FrameExtractor, NotFinite};
+use crate::output::frame::{Frame, FrameExtractor, FrameParts, NotFinite};
 use meniscus_numerics::Vector;
 use meniscus_sim::{Diagnostics, Simulation, StepError, StepReport};
 
@@ -112,7 +112,7 @@ impl AnySimulation {
     pub fn frame(&self) -> Result<Frame, NotFinite> {
         with_either!(self, scene => {
             let line = scene.extractor.contact_line(&scene.simulation);
-            scene.extractor.frame(&scene.simulation, &line)
+            scene.extractor.frame(&scene.simulation, &line, FrameParts::default())
         })
     }
 

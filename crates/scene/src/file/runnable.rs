@@ -51,10 +51,9 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
     }
     let is_written = |format: &Format| *format == Format::Page || format.frame_writer().is_some();
     if let Some(format) = scene.output.formats.iter().find(|format| !is_written(format)) {
-        let name = |format: &Format| format!("{format:?}").to_lowercase();
         let written: Vec<String> =
-            Format::ALL.iter().filter(|f| is_written(f)).map(|f| format!("\"{}\"", name(f))).collect();
-        let what = format!("output in the format `{}`", name(format));
+            Format::ALL.iter().filter(|f| is_written(f)).map(|f| format!("\"{}\"", f.name())).collect();
+        let what = format!("output in the format `{}`", format.name());
         return refuse("output.formats", &what, &format!("accepted: {}", written.join(", ")));
     }
     if scene.contact_line.neumann && !scene.solids.iter().any(|s| s.material.deforms()) {

@@ -8,6 +8,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Folder {
     root: PathBuf,
+    frames: PathBuf,
 }
 
 /// Why a folder cannot be used.
@@ -25,13 +26,27 @@ pub enum FolderError {
 }
 
 /// Names of everything that a run writes; nothing else in the folder is touched.
-const ENTRIES: &[&str] =
-    &["scene.toml", "summary.json", "timeseries.csv", "log.jsonl", "frames", "checkpoints", "render", "page"];
+const ENTRIES: &[&str] = &[
+    "scene.toml",
+    "summary.json",
+    "timeseries.csv",
+    "log.jsonl",
+    "frames",
+    "checkpoints",
+    "render",
+    "page",
+    "export",
+];
 
 impl Folder {
     /// The folder at a path; nothing is read or written.
     pub fn at(root: &Path) -> Self {
-        Self { root: root.to_path_buf() }
+        Self { root: root.to_path_buf(), frames: root.join("frames") }
+    }
+
+    /// A folder that holds frames only, directly; nothing is read or written.
+    pub fn of_frames(root: &Path) -> Self {
+        Self { root: root.to_path_buf(), frames: root.to_path_buf() }
     }
 
     /// The folder itself.
@@ -61,12 +76,17 @@ impl Folder {
 
     /// `frames/`.
     pub fn frames(&self) -> PathBuf {
-        self.root.join("frames")
+        self.frames.clone()
     }
 
     /// File of a part of a frame, such as `liquid`, `contact_line` or `solid_NAME`: `frames/PART_NNNN.EXTENSION`.
     pub fn frame_file(&self, part: &str, frame: u64, extension: &str) -> PathBuf {
-        self.frames().join(format!("{part}_{frame:04}.{extension}"))
+        self.frames.join(format!("{part}_{frame:04}.{extension}"))
+    }
+
+    /// `export/`: one folder for each format to which frames were exported.
+    pub fn exports(&self) -> PathBuf {
+        self.root.join("export")
     }
 
     /// `checkpoints/`.

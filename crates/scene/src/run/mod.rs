@@ -16,6 +16,7 @@ pub use event::RemoteObserver;
 pub use event::{Event, Observer, Progress, SilentObserver};
 pub use outcome::Outcome;
 
+use crate::output::frame::FrameParts;
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder};
 use meniscus_sim::{Compiled, Simulation};
@@ -67,6 +68,11 @@ impl Job {
     pub fn last_frame(&self) -> u64 {
         let last = self.schedule.last_frame();
         self.frames.map_or(last, |(_, b)| b.min(last))
+    }
+
+    /// What the writers need of a frame.
+    fn frame_parts(&self) -> FrameParts {
+        self.writers.iter().fold(FrameParts::default(), |parts, writer| parts.or(writer.parts()))
     }
 
     fn writes(&self, frame: u64) -> bool {

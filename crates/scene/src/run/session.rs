@@ -280,7 +280,7 @@ impl<'a, const D: usize> Session<'a, D> {
     fn write_frame(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let start = Instant::now();
         let number = self.statistics.next_frame;
-        let frame = self.extractor.frame(&self.simulation, &self.contact_line);
+        let frame = self.extractor.frame(&self.simulation, &self.contact_line, self.job.frame_parts());
         let frame = frame.map_err(|NotFinite { what }| self.not_finite(what))?;
         self.statistics.next_frame += 1;
         self.statistics.add_overlaps(self.simulation.solids());

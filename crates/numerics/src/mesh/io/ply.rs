@@ -2,6 +2,11 @@
 //!
 //! The reader accepts ASCII and binary files of either byte order with any scalar types; polygons are split into fans of
 //! triangles. The writer makes binary little-endian files with positions in double precision.
+//!
+//! Edges are written as a property `next` of the vertices: the vertex at the end of an edge that begins there, or -1; `next_2` and so
+//! on where more edges begin at one vertex. The reader also takes the element `edge` of earlier versions and of other programs. The
+//! reason: `meshio` ends the program at every element but `vertex` and `face`, and faces of two vertices, which it takes as
+//! lines, are an error in Blender's Sequence Loader.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -66,7 +71,7 @@ impl PlyMesh {
     }
 
     /// Writes the mesh, binary little-endian. The values `kind` become `uchar`, `solid` becomes `int`, all
-    /// others `double`; missing values at the end of an array are 0.
+    /// others `double`; missing values at the end of an array are 0. Edges are ordered by their first vertex when they are read back.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let mut head = String::from("ply\nformat binary_little_endian 1.0\n");
         for c in &self.comments {
@@ -77,16 +82,29 @@ impl PlyMesh {
         for name in self.scalars.keys() {
             head += &format!("property {} {}\n", scalar_type(name), name.replace(char::is_whitespace, "_"));
         }
-        if !self.faces.is_empty() || self.edges.is_empty() {
-            head += &format!("element face {}\nproperty list uchar int vertex_indices\n", self.faces.len());
+        let next = self.next_vertices();
+        for k in 1..=next.len() {
+            head += &if k == 1 { "property int next\n".into() } else { format!("property int next_{k}\n") };
         }
-        if !self.edges.is_empty() {
-            head += &format!("element edge {}\n", self.edges.len());
-            head += "property int vertex1\nproperty int vertex2\n";
-        }
+        head += &format!("element face {}\nproperty list uchar int vertex_indices\n", self.faces.len());
         head += "end_header\n";
         out.write_all(head.as_bytes())?;
-        out.write_all(&self.body())
+        out.write_all(&self.body(&next))
+    }
+
+    /// The ends of the edges that begin at each vertex, or -1: the first of each, the second of each, and so on.
+    fn next_vertices(&self) -> Vec<Vec<i32>> {
+        let mut all: Vec<Vec<i32>> = Vec::new();
+        let mut count = vec![0; self.positions.len()];
+        for [from, to] in &self.edges {
+            let from = *from as usize;
+            if count[from] == all.len() {
+                all.push(vec![-1; self.positions.len()]);
+            }
+            all[count[from]][from] = *to as i32;
+            count[from] += 1;
+        }
+        all
     }
 
     /// The time (s) in a comment `time T`, if there is one.
@@ -95,11 +113,9 @@ impl PlyMesh {
     }
 
     /// The bytes after the header.
-    fn body(&self) -> Vec<u8> {
-        let per_vertex = 24 + 8 * self.scalars.len();
-        let mut b = Vec::with_capacity(
-            self.positions.len() * per_vertex + self.faces.len() * 13 + self.edges.len() * 8,
-        );
+    fn body(&self, next: &[Vec<i32>]) -> Vec<u8> {
+        let per_vertex = 24 + 8 * self.scalars.len() + 4 * next.len();
+        let mut b = Vec::with_capacity(self.positions.len() * per_vertex + self.faces.len() * 13);
         for (v, p) in self.positions.iter().enumerate() {
             p.iter().for_each(|x| b.extend_from_slice(&x.to_le_bytes()));
             for (name, values) in &self.scalars {
@@ -110,12 +126,12 @@ impl PlyMesh {
                     _ => b.extend_from_slice(&x.to_le_bytes()),
                 }
             }
+            next.iter().for_each(|next| b.extend_from_slice(&next[v].to_le_bytes()));
         }
         for f in &self.faces {
             b.push(3);
             f.iter().for_each(|i| b.extend_from_slice(&i.to_le_bytes()));
         }
-        self.edges.iter().flatten().for_each(|i| b.extend_from_slice(&i.to_le_bytes()));
         b
     }
 }
@@ -172,6 +188,15 @@ struct Property {
     name: String,
     count: Option<Scalar>,
     value: Scalar,
+}
+
+impl Property {
+    /// Whether it names the ends of edges: `next`, `next_2`, ….
+    fn is_next_vertex(&self) -> bool {
+        let number = self.name.strip_prefix("next_").map(|k| k.parse::<u32>().is_ok());
+        let whole = !matches!(self.value, Scalar::F32 | Scalar::F64);
+        self.count.is_none() && whole && number.unwrap_or(self.name == "next")
+    }
 }
 
 struct Element {
@@ -370,10 +395,15 @@ fn read_vertices(cursor: &mut Cursor, element: &Element, mesh: &mut PlyMesh) -> 
         mesh.positions.push(point);
     }
     for (p, values) in element.properties.iter().zip(values) {
-        if p.count.is_none() && axis(p).is_none() {
+        if p.is_next_vertex() {
+            for (from, to) in values.into_iter().enumerate().filter(|(_, to)| *to != -1.0) {
+                mesh.edges.push([from as u32, index(to)?]);
+            }
+        } else if p.count.is_none() && axis(p).is_none() {
             mesh.scalars.insert(p.name.clone(), values);
         }
     }
+    mesh.edges.sort_by_key(|[from, _]| *from);
     Ok(())
 }
 

@@ -27,6 +27,33 @@ fn binary_round_trip_keeps_every_bit() {
     assert_eq!(back.time(), Some(0.25));
 }
 
+/// Files of earlier versions have an element `edge`.
+#[test]
+fn edges_are_a_property_of_vertices_and_are_read_as_an_element_too() {
+    // Two edges begin at 3, in two loops that touch there.
+    let edges = vec![[0, 3], [1, 3], [3, 0], [3, 1]];
+    let sample = PlyMesh { faces: Vec::new(), edges, ..sample() };
+    let written = bytes(&sample);
+    let header = String::from_utf8_lossy(&written);
+    let told = "property int next\nproperty int next_2\nelement face 0\n";
+    assert!(!header.contains("element edge") && header.contains(told), "{header}");
+    assert_eq!(PlyMesh::from_bytes(&written).unwrap(), sample);
+
+    let mut old = bytes(&PlyMesh { edges: Vec::new(), ..sample.clone() });
+    let end = old.windows(11).position(|w| w == b"end_header\n").unwrap();
+    old.splice(end..end, *b"element edge 4\nproperty int vertex1\nproperty int vertex2\n");
+    sample.edges.iter().flatten().for_each(|v| old.extend_from_slice(&v.to_le_bytes()));
+    assert_eq!(PlyMesh::from_bytes(&old).unwrap(), sample);
+
+    let text = |next: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty int next\nend_header\n0 0 1\n1 1 {next}\n"
+        )
+    };
+    assert_eq!(PlyMesh::from_bytes(text("-1").as_bytes()).unwrap().edges, [[0, 1]]);
+    assert!(["2", "-2"].iter().all(|next| PlyMesh::from_bytes(text(next).as_bytes()).is_err()));
+}
+
 #[test]
 fn file_round_trip_and_error_names_the_path() {
     let dir = std::env::temp_dir().join(format!("meniscus-ply-{}", std::process::id()));

@@ -1,6 +1,7 @@
 //! Extraction of frames from a simulation.
 
-use super::{Attribute, Frame, FrameMesh};
+use super::volumes::{elements, fields};
+use super::{Attribute, Frame, FrameMesh, FrameParts};
 use crate::job::padded_to_3d;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Sampler};
@@ -51,22 +52,34 @@ impl<const D: usize> FrameExtractor<D> {
         self.tracker.extract(simulation)
     }
 
-    /// The frame of the current state with its contact line.
+    /// The frame of the current state with its contact line, and with `parts` of it that are extracted on request only.
     ///
     /// # Errors
     /// [`NotFinite`] if a field or the liquid's surface is not finite.
-    pub fn frame(&self, simulation: &Simulation<D>, line: &ContactLine<D>) -> Result<Frame, NotFinite> {
+    pub fn frame(
+        &self,
+        simulation: &Simulation<D>,
+        line: &ContactLine<D>,
+        parts: FrameParts,
+    ) -> Result<Frame, NotFinite> {
         let Simulation { model, state, .. } = simulation;
         let solid = |(number, name): (usize, &String)| {
             let surface = self.tracker.surface(simulation.solids(), number);
             (name.clone(), solid(simulation, number, &surface, line))
         };
+        let elements_of = |(number, name): (usize, &String)| {
+            let found = parts.elements.then(|| elements(simulation.solid(number))).flatten()?;
+            Some((name.clone(), found))
+        };
         Ok(Frame {
             time: state.time,
+            up_axis: D - 1,
             liquid: liquid_surface(simulation)?,
             solids: self.names.iter().enumerate().map(solid).collect(),
             contact_line: (!line.points.is_empty()).then(|| contact_line(line)),
             wall_solid: model.wetting_wall_solid(),
+            elements: self.names.iter().enumerate().filter_map(elements_of).collect(),
+            fields: parts.fields.then(|| fields(simulation)),
         })
     }
 }
@@ -97,12 +110,8 @@ pub fn liquid_surface<const D: usize>(simulation: &Simulation<D>) -> Result<Fram
     if !mesh.positions.iter().flatten().all(|x| x.is_finite()) {
         return Err(NotFinite { what: "liquid's surface" });
     }
-    mesh.attributes.push(Attribute {
-        name: "kind",
-        unit: "1",
-        meaning: "0 liquid-air, 1 liquid-solid, 2 contact line",
-        values: surface.vertex_kind.into_iter().map(f64::from).collect(),
-    });
+    let kind = surface.vertex_kind.into_iter().map(f64::from).collect();
+    mesh.attributes.push(Attribute::known("kind", kind));
     Ok(mesh)
 }
 
@@ -140,13 +149,11 @@ fn solid<const D: usize>(
     let mut mesh = mesh(surface);
     let mut phi_c = line.phi_c.get(number).cloned().unwrap_or_default();
     phi_c.resize(mesh.positions.len(), 0.0);
-    let meaning = "signed distance to the contact line along the surface, negative where wetted";
-    mesh.attributes.push(Attribute { name: "phi_c", unit: "m", meaning, values: phi_c });
+    mesh.attributes.push(Attribute::known("phi_c", phi_c));
     mesh.attributes.extend(deformation(simulation.solid(number)));
     let young = young_angles(simulation, number, &surface.positions);
     if !young.is_empty() {
-        let meaning = "Young's contact angle through the liquid";
-        mesh.attributes.push(Attribute { name: "young", unit: "deg", meaning, values: young });
+        mesh.attributes.push(Attribute::known("young", young));
     }
     mesh
 }
@@ -162,11 +169,9 @@ fn deformation<const D: usize>(solid: SolidView<'_, D>) -> Vec<Attribute> {
     let mut all: Vec<Attribute> = Vec::new();
     for (a, name) in DISPLACEMENT.into_iter().enumerate() {
         let displacement = |v: usize| padded_to_3d(&(now[v] - rest[v]))[a];
-        let meaning = "displacement from the position at rest";
-        all.push(Attribute { name, unit: "m", meaning, values: of(&displacement) });
+        all.push(Attribute::known(name, of(&displacement)));
     }
-    let meaning = "largest |stretch - 1|";
-    all.push(Attribute { name: "strain", unit: "1", meaning, values: of(&|v| strains[v]) });
+    all.push(Attribute::known("strain", of(&|v| strains[v])));
     all
 }
 
@@ -183,18 +188,22 @@ fn young_angles<const D: usize>(simulation: &Simulation<D>, number: usize, point
 /// The contact line: vertices with angle, speed, force per length and the number of the solid; in 3D with edges.
 fn contact_line<const D: usize>(line: &ContactLine<D>) -> FrameMesh {
     let of = |value: &dyn Fn(&LinePoint<D>) -> f64| line.points.iter().map(value).collect();
-    let attribute = |name, unit, meaning, values| Attribute { name, unit, meaning, values };
     let mut attributes = vec![
-        attribute("angle", "deg", "contact angle through the liquid", of(&|p| p.angle_degrees)),
-        attribute("speed", "m/s", "speed across the line, positive where it advances", of(&|p| p.speed)),
+        Attribute::known("angle", of(&|p| p.angle_degrees)),
+        Attribute::known("speed", of(&|p| p.speed)),
     ];
     for (a, name) in LINE_FORCE.into_iter().enumerate() {
-        let values = of(&|p| padded_to_3d(&p.force)[a]);
-        attributes.push(attribute(name, "N/m", "force on the solid per length of the line", values));
+        attributes.push(Attribute::known(name, of(&|p| padded_to_3d(&p.force)[a])));
     }
-    attributes.push(attribute("solid", "1", "number of the solid in the scene", of(&|p| f64::from(p.solid))));
+    attributes.push(Attribute::known("solid", of(&|p| f64::from(p.solid))));
     let positions = line.points.iter().map(|p| padded_to_3d(&p.at)).collect();
-    FrameMesh { positions, triangles: Vec::new(), edges: line.segments.clone(), attributes }
+    FrameMesh { positions, triangles: Vec::new(), edges: in_order(line.segments.clone()), attributes }
+}
+
+/// Edges ordered by their first vertex, as they are in stored files.
+fn in_order(mut edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
+    edges.sort_by_key(|[from, _]| *from);
+    edges
 }
 
 /// A mesh without attributes.
@@ -202,7 +211,7 @@ fn mesh<const D: usize>(surface: &SurfaceMesh<D>) -> FrameMesh {
     let positions = surface.positions.iter().map(padded_to_3d).collect();
     let mut mesh = FrameMesh { positions, ..FrameMesh::default() };
     if D == 2 {
-        mesh.edges = surface.facets.iter().map(|f| [f[0], f[1]]).collect();
+        mesh.edges = in_order(surface.facets.iter().map(|f| [f[0], f[1]]).collect());
     } else {
         mesh.triangles = surface.facets.iter().map(|f| [f[0], f[1], f[D - 1]]).collect();
     }

@@ -3,9 +3,15 @@
 mod content;
 mod extractor;
 mod formats;
+mod known;
+mod placement;
+mod polylines;
+mod volumes;
 mod writer;
 
-pub use content::{Attribute, Frame, FrameMesh};
+pub use content::{Attribute, Frame, FrameElements, FrameFields, FrameMesh, FrameParts};
 pub use extractor::{FrameExtractor, NotFinite, liquid_surface};
-pub use formats::{Format, PlyWriter};
+pub use formats::{CsvWriter, Format, GlbWriter, ObjWriter, PlyWriter, VtiWriter, VtkWriter};
+pub use known::stored_wall_solid;
+pub use polylines::polylines;
 pub use writer::FrameWriter;

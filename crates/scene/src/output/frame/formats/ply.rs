@@ -1,5 +1,6 @@
 //! Frames as binary PLY files, one for each mesh.
 
+use crate::output::frame::known::WALLS_COMMENT;
 use crate::output::frame::{Attribute, Frame, FrameMesh, FrameWriter};
 use crate::output::{FileError, Folder, atomic_file};
 use meniscus_numerics::mesh::ply::PlyMesh;
@@ -20,7 +21,7 @@ impl FrameWriter for PlyWriter {
         // No file without a line: mesh readers refuse one without vertices.
         if let Some(line) = &frame.contact_line {
             let mut mesh = ply(line, frame);
-            mesh.comments.extend(frame.wall_solid.map(|n| format!("solid {n} are the walls of the domain")));
+            mesh.comments.extend(frame.wall_solid.map(|n| format!("solid {n} {WALLS_COMMENT}")));
             write(&file("contact_line"), &mesh)?;
         }
         Ok(liquid)
@@ -37,19 +38,22 @@ fn ply(mesh: &FrameMesh, frame: &Frame) -> PlyMesh {
         format!("time {:?}", frame.time),
         "unit metre".into(),
     ];
+    if !mesh.edges.is_empty() {
+        comments.push("next vertex to which an edge leads, or -1".into());
+    }
     comments.extend(mesh.attributes.iter().filter_map(comment));
     PlyMesh {
         positions: mesh.positions.clone(),
         faces: mesh.triangles.clone(),
         edges: mesh.edges.clone(),
-        scalars: mesh.attributes.iter().map(|a| (a.name.to_string(), a.values.clone())).collect(),
+        scalars: mesh.attributes.iter().map(|a| (a.name.clone().into_owned(), a.values.clone())).collect(),
         comments,
     }
 }
 
 /// The comment that describes an attribute. Those of the first version keep their text, some of it for several attributes.
 fn comment(attribute: &Attribute) -> Option<String> {
-    let text = match attribute.name {
+    let text = match &*attribute.name {
         "kind" => "kind 0 liquid-air, 1 liquid-solid, 2 contact line",
         "phi_c" => "phi_c distance to the contact line along the surface, negative where wetted",
         "ux" => "ux uy uz way from the place at rest, strain largest |stretch - 1|",
@@ -64,10 +68,11 @@ fn comment(attribute: &Attribute) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::frame::formats::tests::empty_frame;
 
     #[test]
     fn attributes_are_described_in_comments() {
-        let attribute = |name, unit, meaning| Attribute { name, unit, meaning, values: vec![1.0] };
+        let attribute = |name, unit, meaning| Attribute::new(name, unit, meaning, vec![1.0]);
         let line = FrameMesh {
             positions: vec![[0.0; 3]],
             attributes: vec![
@@ -77,8 +82,7 @@ mod tests {
             ],
             ..FrameMesh::default()
         };
-        let (time, liquid, contact_line) = (0.25, FrameMesh::default(), Some(line.clone()));
-        let frame = Frame { time, liquid, solids: Vec::new(), contact_line, wall_solid: None };
+        let frame = Frame { time: 0.25, contact_line: Some(line.clone()), ..empty_frame() };
         let mesh = ply(&line, &frame);
         let told = [
             "time 0.25",
