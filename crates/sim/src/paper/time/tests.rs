@@ -84,7 +84,6 @@ fn wets<const D: usize>(n: usize, steps: usize) {
 #[test]
 fn a_drop_draws_together_on_a_hydrophobic_floor_and_far_less_on_a_hydrophilic_one() {
     wets::<2>(32, 60);
-    wets::<3>(16, 20);
 }
 
 #[test]
