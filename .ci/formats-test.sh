@@ -26,11 +26,10 @@ cat > "$work/plate-2d.toml" <<'SCENE'
 format = 1
 name = "plate-2d"
 domain = { dimension = 2, size = ["6 mm", "4 mm"], resolution = 48 }
-liquid = { density = "1 g/cm^3", kinematic_viscosity = "0.05 cm^2/s", gravity = [0, "-9.81 m/s^2"] }
+liquid = { density = "1 g/cm^3", kinematic_viscosity = "0.05 cm^2/s", gravity = ["0 m/s^2", "-9.81 m/s^2"], body = [
+  { shape.ball = { center = ["3 mm", "1.9 mm"], radius = "1 mm" } } ] }
 tension = { liquid_air = "72.8 mN/m", plate.contact_angle = "60 deg" }
 output = { duration = "2 ms", frame_interval = "0.5 ms" }
-[[liquid.body]]
-shape.ball = { center = ["3 mm", "1.9 mm"], radius = "1 mm" }
 [[solid]]
 name = "plate"
 shape.half_space = { point = ["3 mm", "1.03 mm"], normal = [0.1, 1] }
@@ -40,11 +39,10 @@ cat > "$work/soft-3d.toml" <<'SCENE'
 format = 1
 name = "soft-3d"
 domain = { dimension = 3, size = ["8 mm", "8 mm", "8 mm"], resolution = 24 }
-liquid = { density = "1 g/cm^3", kinematic_viscosity = "0.1 cm^2/s", gravity = [0, 0, "-9.81 m/s^2"] }
+liquid = { density = "1 g/cm^3", kinematic_viscosity = "0.1 cm^2/s", gravity = ["0 m/s^2", "0 m/s^2", "-9.81 m/s^2"], body = [
+  { shape.ball = { center = ["4 mm", "4 mm", "4.4 mm"], radius = "1.5 mm" } } ] }
 tension = { liquid_air = "72.8 mN/m", plate.contact_angle = "70 deg" }
 output = { duration = "4 ms", frame_interval = "2 ms" }
-[[liquid.body]]
-shape.ball = { center = ["4 mm", "4 mm", "4.4 mm"], radius = "1.5 mm" }
 [[solid]]
 name = "plate"
 density = "1 g/cm^3"
