@@ -35,8 +35,6 @@ const CONVERGENCE_TOLERANCE: f64 = 1e-3;
 /// Tolerance after an update of the lagged friction, relative to [`CONVERGENCE_TOLERANCE`]. It is tighter because the error of a lag that
 /// is updated only [`MAX_FRICTION_UPDATES`] times accumulates from step to step.
 const FRICTION_LAG_TOLERANCE: f64 = 0.01;
-/// Relative error of the solids' impulses in a step where neither friction nor the barriers' time levels have changed.
-const IMPULSE_TOLERANCE: f64 = 1e-3;
 /// Relative residual of the pressure solve far from convergence (inexact Newton: S. Eisenstat, H. Walker 1996); changes only the cost.
 const LOOSE_SOLVE_TOLERANCE: f64 = 1e-3;
 /// Predicted change, over [`CONVERGENCE_TOLERANCE`], that one Newton iteration does not bring below 1.
@@ -75,8 +73,6 @@ pub struct NewtonSolver<'a, const D: usize> {
     /// Response of the last iteration, if the next iteration keeps its Hessian.
     response: Option<SolidResponse<D>>,
     friction_updates: usize,
-    /// Largest change of a velocity in an iteration so far, m/s.
-    largest_change: f64,
     /// Iterations whose Hessian was not positive definite.
     pub indefinite_iterations: u64,
 }
@@ -130,7 +126,6 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             is_loose: false,
             response: None,
             friction_updates: 0,
-            largest_change: 0.0,
             indefinite_iterations: 0,
         };
         newton.move_to_initial_guess();
@@ -335,7 +330,6 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             CONVERGENCE_TOLERANCE * self.potential.barrier.activation_distance / self.potential.lookahead;
         let size = to.iter().zip(&self.velocities).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         let on_the_way = self.potential.candidates(&self.velocities, &to);
-        self.largest_change = self.largest_change.max(size);
         let whole = self.move_to(&to, on_the_way, !prescribed_moves && size > limit);
         self.iteration += 1;
         self.check_deformation()?;
@@ -382,13 +376,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         let is_unchanged = !has_friction && early_pairs == self.potential.early_pairs;
         (self.potential.early_pairs, self.potential.friction_contacts) = (early_pairs, friction_contacts);
         self.friction_updates += 1;
-        if is_unchanged {
-            return (
-                off,
-                off < FRICTION_LAG_TOLERANCE * limit || off < IMPULSE_TOLERANCE * self.largest_change,
-            );
-        }
-        let off = self.next_step_size(response);
+        let off = if is_unchanged { off } else { self.next_step_size(response) };
         (off, off < FRICTION_LAG_TOLERANCE * limit)
     }
 
