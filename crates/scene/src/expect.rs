@@ -11,8 +11,8 @@ const FULLY_WETTED_SHARE: f64 = 0.98;
 /// Ratio of the liquid's force to the contact force on a solid, above which the liquid carries it.
 const FLOATING_FORCE_RATIO: f64 = 10.0;
 
-/// Swings of a tip about its mean, over the largest one, up to which they count as noise.
-const MIN_SWING_FRACTION: f64 = 0.1;
+/// Deviation of a tip's height from its mean, over the largest deviation, below which a crossing of the mean counts as noise.
+const NOISE_FRACTION: f64 = 0.1;
 
 /// Overlap depth, in cells, that is tolerated between touching solids.
 const OVERLAP_TOLERANCE_CELLS: f64 = 0.01;
@@ -295,8 +295,8 @@ fn next_peak(curve: &[f64], start: usize) -> Option<(usize, usize)> {
     None
 }
 
-/// Period of the height of a solid's tip, s: the mean time between its upward crossings of its mean. Swings below a tenth of the largest
-/// one do not count. None with fewer than two crossings.
+/// Period of the height of a solid's tip, s: the mean time between upward crossings of its mean, from below [`NOISE_FRACTION`] of the
+/// largest deviation to above it. None with fewer than two crossings.
 fn tip_period(series: &TimeSeries, solid: &str, dimension: usize) -> Option<f64> {
     let axis = if dimension == 2 { "y" } else { "z" };
     let (time, height) = (series.column("time"), series.column(&format!("tip_{solid}_{axis}")));
@@ -305,7 +305,7 @@ fn tip_period(series: &TimeSeries, solid: &str, dimension: usize) -> Option<f64>
     let area = |i: usize| 0.5 * (height[i] + height[i + 1]) * (time[i + 1] - time[i]);
     let mean = (0..rows - 1).map(area).sum::<f64>() / span;
     let swing = height[..rows].iter().map(|h| (h - mean).abs()).fold(0.0, f64::max);
-    let noise = MIN_SWING_FRACTION * swing;
+    let noise = NOISE_FRACTION * swing;
     let (mut crossings, mut below, mut at) = (Vec::new(), false, 0);
     for (i, &h) in height[..rows].iter().enumerate() {
         below |= h < mean - noise;

@@ -97,3 +97,35 @@ impl<const D: usize> Dissection<'_, D> {
         (0..D).fold(0, |best, a| if extent(a) > extent(best) { a } else { best })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::Cliques;
+
+    /// Quadratic elements on three by three vertices of a square: the last separator is one row of vertices between elements. The boundary
+    /// layer of the lower half alone would be two rows.
+    #[test]
+    fn a_separator_of_quadratic_elements_is_one_row() {
+        let n = 17;
+        let positions: Vec<Vector<2>> =
+            (0..n * n).map(|v| Vector::from([(v % n) as f64, 0.9 * (v / n) as f64])).collect();
+        let mut elements = Cliques::default();
+        for (i, j) in (0..n - 1).step_by(2).flat_map(|i| (0..n - 1).step_by(2).map(move |j| (i, j))) {
+            elements.push((0..9).map(|k| ((j + k / 3) * n + i + k % 3) as u32));
+        }
+        let pattern = SparsityPattern::new(n * n, [&elements]);
+        let order = nested_dissection(&positions, &pattern, (0..(n * n) as u32).collect());
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        assert!(sorted.iter().enumerate().all(|(k, v)| k == *v as usize), "every vertex once");
+        let last = &order[order.len() - n..];
+        let middle = last[0] as usize % n;
+        assert!(last.iter().all(|v| *v as usize % n == middle) && middle.is_multiple_of(2), "{last:?}");
+        let side = |v: &u32| (*v as usize % n).cmp(&middle);
+        let apart = |element: &[u32]| {
+            !element.iter().any(|a| element.iter().any(|b| side(a) == side(b).reverse() && side(a).is_ne()))
+        };
+        assert!(elements.iter().all(apart));
+    }
+}

@@ -1,4 +1,4 @@
-//! What is told of a built-in scene.
+//! The entry of a built-in scene in the list of scenes.
 
 use serde::Serialize;
 

@@ -24,7 +24,8 @@ pub struct Frame {
     pub fields: Option<FrameFields>,
 }
 
-/// What a frame contains beside surfaces and contact line. It costs time and memory, so a format has to ask for it.
+/// The optional parts of a frame, beside its surfaces and its contact line. A format requests those that it writes, because they cost time
+/// and memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameParts {
     /// The elements of deformable solids.
@@ -34,7 +35,7 @@ pub struct FrameParts {
 }
 
 impl FrameParts {
-    /// What either asks for.
+    /// The parts that one of the two requests.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self { elements: self.elements || other.elements, fields: self.fields || other.fields }

@@ -1,4 +1,4 @@
-//! What frames have on request: elements of deformable solids, and fields on the grid.
+//! Extraction of the optional parts of frames: elements of deformable solids, and fields on the grid.
 
 use super::{Attribute, FrameElements, FrameFields};
 use crate::job::padded_to_3d;

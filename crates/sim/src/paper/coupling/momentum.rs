@@ -171,7 +171,8 @@ pub fn with_line<const D: usize>(
     let count = solid_count + line_count;
     let mut momentum = [rows.momentum, vec![0.0; line_count]].concat();
     let mut entries: Vec<(u32, u32, f64)> = rows.mass.entries().collect();
-    add_line_to_solids(&mut momentum[..solid_count], &mut entries, map, embedding, (line, liquid.errata));
+    let form = liquid.errata.liquid_mass;
+    add_line_to_solids(&mut momentum[..solid_count], &mut entries, map, embedding, line, form);
 
     // The line's own rows.
     let of_line = |(i, face): (usize, &Face)| -> Vec<Entry> {
@@ -181,7 +182,7 @@ pub fn with_line<const D: usize>(
     let line_rows = SparseMatrix::new(count, line.map.liquid_air.iter().enumerate().map(of_line));
     let masses = liquid.masses(&line.map.liquid_air);
     add_transposed(&mut momentum, &line_rows, &liquid.momenta(&line.map.liquid_air, &masses));
-    match liquid.errata.liquid_mass {
+    match form {
         LiquidMass::Consistent => entries.extend(line_rows.weighted_gram(&masses)),
         LiquidMass::Lumped => {
             let lumped = line_rows.multiply_transposed(&masses).into_iter().enumerate();
@@ -231,7 +232,8 @@ fn add_line_to_solids<const D: usize>(
     entries: &mut Vec<(u32, u32, f64)>,
     map: &SolidMap<D>,
     embedding: &SparseMatrix,
-    (line, errata): (&LineMomentum<'_, D>, Errata),
+    line: &LineMomentum<'_, D>,
+    form: LiquidMass,
 ) {
     let places = line.map.solid_air.iter().enumerate();
     let known = places.filter_map(|(i, face)| Some((i, map.faces.binary_search(face).ok()?)));
@@ -246,6 +248,6 @@ fn add_line_to_solids<const D: usize>(
         parts.row(row).iter().map(of).sum()
     };
     let impulses: Vec<f64> = of_line.iter().enumerate().map(impulse).collect();
-    entries.extend(mass_of_faces(&on_vertices, embedding, &masses, errata.liquid_mass));
+    entries.extend(mass_of_faces(&on_vertices, embedding, &masses, form));
     add_transposed(momentum, &on_vertices.product(embedding), &impulses);
 }

@@ -61,8 +61,9 @@ fn a_drop_in_free_fall_has_the_velocity_of_gravity() {
     assert!(drift.abs() < 2e-3, "{drift}");
 }
 
-fn wets<const D: usize>(n: usize, steps: usize) {
-    let [wide, narrow] = [45.0, 135.0].map(|degrees| {
+/// Growth of the half width of a drop on a floor at 45 and at 135 degrees.
+fn growth_of_width<const D: usize>(n: usize, steps: usize) -> [f64; 2] {
+    [45.0, 135.0].map(|degrees| {
         let (scheme, mut state) = on_a_floor::<D>(n, degrees);
         let (mut start, mut report) = (0.0, None);
         for step in 0..steps {
@@ -77,13 +78,20 @@ fn wets<const D: usize>(n: usize, steps: usize) {
         assert!(report.particles >= 2 && report.degenerate == 0, "{report:?}");
         assert!(volume.abs() < 0.02, "{volume}");
         reach(&state) - start
-    });
-    assert!(narrow < 0.0 && narrow < wide - 0.02, "{wide} {narrow}");
+    })
 }
 
 #[test]
 fn a_drop_draws_together_on_a_hydrophobic_floor_and_far_less_on_a_hydrophilic_one() {
-    wets::<2>(32, 60);
+    let [wide, narrow] = growth_of_width::<2>(32, 60);
+    assert!(narrow < 0.0 && narrow < wide - 0.02, "{wide} {narrow}");
+}
+
+#[test]
+#[ignore = "it fails: the drop draws together (book/paper/scheme.md, What is wrong)"]
+fn a_drop_spreads_on_a_hydrophilic_floor() {
+    let [wide, _] = growth_of_width::<2>(32, 60);
+    assert!(wide > 0.0, "{wide}");
 }
 
 #[test]

@@ -76,7 +76,7 @@ fn stored_time(path: &Path) -> Option<String> {
     time.parse::<f64>().is_ok().then_some(time)
 }
 
-/// What stands between two texts.
+/// The part of a text between two delimiters.
 fn between<'a>(text: &'a str, before: &str, after: &str) -> Option<&'a str> {
     Some(text.split_once(before)?.1.split_once(after)?.0)
 }
