@@ -1,8 +1,9 @@
 //! Boxes as lattices of cells cut into simplices.
 //!
 //! Every cell is cut around the same diagonal, with one simplex for each order of the axes: two triangles, six tetrahedra
-//! (H. W. Kuhn, "Some combinatorial lemmas in topology", IBM J. Res. Dev. 4 (1960)). Cells are as close to cubes as the box
-//! allows. A mesh of quadratic simplices has half as many cells along each axis and is then subdivided.
+//! (H. W. Kuhn, "Some combinatorial lemmas in topology", IBM J. Res. Dev. 4 (1960)). Cells have the requested
+//! edges where the shortest side can be divided into such; in thinner boxes they are close to cubes. A mesh of quadratic simplices has
+//! half as many cells along each axis and is then subdivided.
 
 use super::quadratic::ElementOrder;
 use super::{Simplex, VolumeMesh};
@@ -39,12 +40,15 @@ pub enum BlockError {
     },
 }
 
-/// Numbers of cells of a block of the given size (m) with edges about `edge` (m) long, multiples of `step`. There are at
-/// least two along the shortest side; the other sides get the number that makes the cells nearly cubes.
+/// Numbers of cells of a block of the given size (m) with edges about `edge` (m) long, multiples of `step`. There are at least two
+/// along the shortest side. Where rounding its number changes the edge by more than a factor of `√2`, as in thin boxes, the other sides
+/// get the number that makes the cells nearly cubes.
 pub fn block_cells<const D: usize>(size: &Vector<D>, edge: f64, step: usize) -> [usize; D] {
     let shortest = size.min();
-    let edge = shortest / cell_count(shortest, edge, step) as f64;
-    std::array::from_fn(|a| cell_count(size[a], edge, step))
+    let across = shortest / cell_count(shortest, edge, step) as f64;
+    let is_rounding = across * across <= 2.0 * edge * edge && edge * edge <= 2.0 * across * across;
+    let along = if is_rounding { edge } else { across };
+    std::array::from_fn(|a| cell_count(size[a], along, step))
 }
 
 /// Number of cells along a side: a multiple of `step`, at least two.
@@ -147,6 +151,9 @@ mod tests {
         assert_eq!(block_cells(&Vector::from([1.0, 0.29, 0.2]), 0.1, 1), [10, 3, 2]);
         assert_eq!(block_cells(&Vector::from([1.0, 0.29, 0.2]), 0.1, 2), [10, 4, 2]);
         assert_eq!(block_cells(&Vector::from([1.04, 0.01]), 0.1, 1), [208, 2]);
+        assert_eq!(block_cells(&Vector::from([8.0, 8.0, 0.5]), 0.17, 2), [48, 48, 4]);
+        assert_eq!(block_cells(&Vector::from([8.0, 8.0, 0.5]), 0.3, 2), [26, 26, 2]);
+        assert_eq!(block_cells(&Vector::from([8.0, 8.0, 0.5]), 0.4, 2), [64, 64, 2]);
         // The plate of Fig. 15 of Liu et al. (2022).
         let plate = block::<3>([96, 96, 2], &Vector::from([3.33, 3.33, 0.0693]));
         assert_eq!((plate.positions.len(), plate.simplices.len()), (28_227, 110_592));
