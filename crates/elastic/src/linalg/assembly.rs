@@ -62,15 +62,16 @@ impl Assembly {
         parts: &[BlockMatrix<D>],
         structure: &AssemblyStructure,
     ) -> BlockMatrix<D> {
-        let pattern = structure.pattern.clone();
-        let mut whole = BlockMatrix::new(pattern);
+        let mut whole = BlockMatrix::new(structure.pattern.clone());
+        let pattern = structure.pattern.as_ref();
         for (first, part) in self.first_nodes.iter().zip(parts) {
             for j in 0..part.pattern.starts.len() - 1 {
-                for slot in part.pattern.starts[j]..part.pattern.starts[j + 1] {
-                    let row = part.pattern.rows[slot] + *first as u32;
-                    if let Some(to) = whole.pattern.slot(row, (first + j) as u32) {
-                        whole.blocks[to] = part.blocks[slot];
-                    }
+                // Both columns ascend, and that of the whole has all rows of the part.
+                let mut to = pattern.starts[first + j];
+                for (row, block) in part.pattern.column(j).iter().zip(part.column(j)) {
+                    let row = row + *first as u32;
+                    to += pattern.rows[to..].iter().take_while(|r| **r < row).count();
+                    whole.blocks[to] = *block;
                 }
             }
         }
@@ -94,6 +95,9 @@ pub struct AssemblyInverse<const D: usize>(Inverse<D>);
 impl<const D: usize> AssemblyInverse<D> {
     /// `b ← A⁻¹ b`; entries of anchored vertices become 0.
     pub fn solve(&self, b: &mut [Vector<D>]) {
+        if b.iter().all(|v| *v == Vector::<D>::zeros()) {
+            return;
+        }
         let mut flat: Vec<f64> = b.iter().flat_map(|v| v.iter().copied()).collect();
         self.0.solve(None, &mut flat, 1);
         b.iter_mut().zip(flat.chunks_exact(D)).for_each(|(b, x)| b.copy_from_slice(x));

@@ -62,6 +62,13 @@ impl SparsityPattern {
         &self.rows[self.starts[j]..self.starts[j + 1]]
     }
 
+    /// A block of a matrix of this pattern that stands at `(i, j)`, with its transpose at `(j, i)`. `None` where the pattern has no block
+    /// of the two vertices.
+    pub(crate) fn place<const D: usize>(&self, i: u32, j: u32, block: Matrix<D>) -> Option<PlacedBlock<D>> {
+        let slot = self.slot(i.max(j), i.min(j))?;
+        Some(PlacedBlock { slot, block: if i >= j { block } else { block.transpose() } })
+    }
+
     /// Index of block `(i, j)`, `i ≥ j`.
     pub(crate) fn slot(&self, i: u32, j: u32) -> Option<usize> {
         let k = self.column(j as usize).binary_search(&i).ok()?;
@@ -76,6 +83,13 @@ fn add_clique_pairs(below: &mut [Vec<u32>], groups: &Cliques) {
             below[*i as usize].extend(list.iter().filter(|j| *j > i));
         }
     }
+}
+
+/// A block of the lower triangle and its place in a [`SparsityPattern`].
+#[derive(Clone, Debug)]
+pub struct PlacedBlock<const D: usize> {
+    slot: usize,
+    block: Matrix<D>,
 }
 
 /// A symmetric matrix of `D × D` blocks.
@@ -96,13 +110,19 @@ impl<const D: usize> BlockMatrix<D> {
     /// nothing, where the pattern has no block of the two vertices.
     #[must_use]
     pub fn add(&mut self, i: u32, j: u32, block: &Matrix<D>) -> bool {
-        let Some(slot) = self.pattern.slot(i.max(j), i.min(j)) else { return false };
-        if i >= j {
-            self.blocks[slot] += block;
-        } else {
-            self.blocks[slot] += block.transpose();
-        }
-        true
+        let placed = self.pattern.place(i, j, *block);
+        placed.iter().for_each(|placed| self.add_placed(placed));
+        placed.is_some()
+    }
+
+    /// Adds a block of this matrix's pattern.
+    pub fn add_placed(&mut self, placed: &PlacedBlock<D>) {
+        self.blocks[placed.slot] += placed.block;
+    }
+
+    /// Blocks of a column of the lower triangle.
+    pub(crate) fn column(&self, j: usize) -> &[Matrix<D>] {
+        &self.blocks[self.pattern.starts[j]..self.pattern.starts[j + 1]]
     }
 
     /// Adds a multiple of the identity to a block of the diagonal.

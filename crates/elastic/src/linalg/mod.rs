@@ -14,7 +14,7 @@ mod subtrees;
 
 pub use assembly::{Assembly, AssemblyInverse, AssemblyStructure};
 pub use block_matrix::BlockMatrix;
-pub(crate) use block_matrix::SparsityPattern;
+pub(crate) use block_matrix::{PlacedBlock, SparsityPattern};
 pub use cliques::Cliques;
 pub(crate) use coarse::{CoarseFactor, CoarseLattice};
 pub(crate) use conjugate_gradient::IterativeInverse;

@@ -5,7 +5,7 @@ use super::energy_density::{EnergyDensity, Lame, Tangent, determinant};
 use super::quadrature::QuadraturePoints;
 use super::{DiscreteGradientTerm, ForceTerm, TangentWeights};
 use crate::ElasticError;
-use crate::linalg::{BlockMatrix, Cliques};
+use crate::linalg::{BlockMatrix, Cliques, PlacedBlock, SparsityPattern};
 use meniscus_contact::inversion_free_fraction;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::volume::ElementOrder;
@@ -239,13 +239,21 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         }
     }
 
-    fn assemble_blocks(&self, element: usize, blocks: &[Matrix<D>], matrix: &mut BlockMatrix<D>) {
+    /// Places of the blocks of [`Self::tangent_blocks`] in a matrix of this pattern.
+    fn placed_blocks(
+        &self,
+        element: usize,
+        blocks: Vec<Matrix<D>>,
+        pattern: &SparsityPattern,
+    ) -> Vec<PlacedBlock<D>> {
         let vertices = self.points.elements.get(element);
         let pairs = (0..vertices.len()).flat_map(|i| (i..vertices.len()).map(move |j| (i, j)));
-        for ((i, j), block) in pairs.zip(blocks) {
-            let there = matrix.add(vertices[i], vertices[j], block);
-            debug_assert!(there, "an element without a block");
-        }
+        let placed = |((i, j), block): ((usize, usize), Matrix<D>)| {
+            let place = pattern.place(vertices[i], vertices[j], block);
+            debug_assert!(place.is_some(), "an element without a block");
+            place
+        };
+        pairs.zip(blocks).filter_map(placed).collect()
     }
 }
 
@@ -320,8 +328,9 @@ impl<P: EnergyDensity<D>, const D: usize> ForceTerm<D> for Continuum<P, D> {
         let count = self.points.elements.len();
         for start in (0..count).step_by(ELEMENTS_PER_BATCH) {
             let batch = start..(start + ELEMENTS_PER_BATCH).min(count);
-            let blocks = Self::map_elements(batch.clone(), |k| self.tangent_blocks(k, x, weights));
-            batch.zip(&blocks).for_each(|(k, blocks)| self.assemble_blocks(k, blocks, matrix));
+            let pattern = matrix.pattern.clone();
+            let of = |k| self.placed_blocks(k, self.tangent_blocks(k, x, weights), &pattern);
+            Self::map_elements(batch, of).iter().flatten().for_each(|placed| matrix.add_placed(placed));
         }
     }
 }

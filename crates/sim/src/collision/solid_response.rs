@@ -195,9 +195,9 @@ impl<const D: usize> SolidResponse<D> {
         self.loads.ties.iter().flat_map(of).collect()
     }
 
-    /// Change of the nodes' velocities without the pressure of the cells. It is due to the base impulses, the tied faces with their
-    /// `velocity` and the surface `tension`, and the impulses `more`.
-    pub fn change_without_pressure(
+    /// Impulses on the nodes without the pressure of the cells, N s: the base impulses, those of the tied faces with their `velocity` and
+    /// the surface `tension`, and `more`.
+    pub fn impulses_without_pressure(
         &self,
         model: &Model<D>,
         dragged: &[DraggedFace],
@@ -218,6 +218,11 @@ impl<const D: usize> SolidResponse<D> {
                 end.node_weights.iter().for_each(|(node, w)| impulses[*node] += w * push);
             }
         }
+        impulses
+    }
+
+    /// Change of the nodes' velocities, m/s, due to these impulses and to the prescribed motion.
+    pub fn velocity_change(&self, mut impulses: Vec<Vector<D>>) -> Vec<Vector<D>> {
         self.solve(&mut impulses);
         impulses.iter().zip(&self.loads.prescribed_change).map(|(c, lead)| c + lead).collect()
     }

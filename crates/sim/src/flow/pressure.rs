@@ -131,9 +131,10 @@ impl<const D: usize> PressureFields<D> {
         apply_line_drag(p);
         let coupling = PressureCoupling::new(model, p.wetted_surfaces, p.solids, response);
         let compliance = coupling.compliance();
-        let start = change_without_pressure(model, p, response, &[], None);
+        let mut nodes = NodeMotion::default();
+        nodes.respond(response, impulses_without_pressure(model, p, response, &[], None));
         let Self { assembled, first_solution, backend } = self;
-        assembled.assemble(model, p, &coupling, &start);
+        assembled.assemble(model, p, &coupling, &nodes.velocity_change);
         let mut system = assembled.prepare(backend.as_mut(), model, p, compliance.as_ref())?;
         let limits = SolveLimits { tolerance, max_iterations: model.numerics.max_iterations };
         let mut solves = FlowSolves::default();
@@ -152,11 +153,10 @@ impl<const D: usize> PressureFields<D> {
             solves.viscosity = apply_viscosity(model, p, &corrections)?;
             phase_end("viscosity");
         }
-        let mut node_velocity_change = start;
         if viscous || !off_center_impulses.is_empty() || corrections.iter().any(|b| *b != 0.0) {
-            node_velocity_change =
-                change_without_pressure(model, p, response, &corrections, Some(&off_center_impulses));
-            assembled.assemble(model, p, &coupling, &node_velocity_change);
+            let more = Some(&off_center_impulses);
+            nodes.respond(response, impulses_without_pressure(model, p, response, &corrections, more));
+            assembled.assemble(model, p, &coupling, &nodes.velocity_change);
             zip(p.interface_faces, &corrections).for_each(|(face, bend)| {
                 assembled.rhs.data[face.cell] += face.open_fraction * face.mobility * bend
             });
@@ -173,13 +173,13 @@ impl<const D: usize> PressureFields<D> {
         if let Some(response) = response {
             let mut node_impulses = coupling.node_impulses(&p.pressure_impulse.data);
             response.solve(&mut node_impulses);
-            node_velocity_change.iter_mut().zip(&node_impulses).for_each(|(c, by)| *c += by);
+            zip(&mut nodes.velocity_change, &node_impulses).for_each(|(c, by)| *c += by);
             let velocity = &mut *p.velocity;
-            response.update_tied_faces(p.dragged_faces, &node_velocity_change, |f, by| {
+            response.update_tied_faces(p.dragged_faces, &nodes.velocity_change, |f, by| {
                 velocity.axes[f.axis][f.face] += by
             });
         }
-        Ok(ProjectionResult { solves, pressure_impulses, node_velocity_change })
+        Ok(ProjectionResult { solves, pressure_impulses, node_velocity_change: nodes.velocity_change })
     }
 }
 
@@ -281,8 +281,27 @@ fn scale_by_mobility<const D: usize>(p: &mut Projection<'_, D>, before: Vec<f64>
     }
 }
 
-/// Velocity change of the nodes without the pressure of the cells; `more` are further impulses on the solids.
-fn change_without_pressure<const D: usize>(
+/// Motion of the solids' nodes without the pressure of the cells; empty without a response.
+#[derive(Default)]
+struct NodeMotion<const D: usize> {
+    /// Impulses on the nodes, N s.
+    impulses: Vec<Vector<D>>,
+    /// Velocity changes due to them, m/s.
+    velocity_change: Vec<Vector<D>>,
+}
+
+impl<const D: usize> NodeMotion<D> {
+    /// Takes other impulses. A solve is made if they differ from the last ones.
+    fn respond(&mut self, response: Option<&SolidResponse<D>>, impulses: Vec<Vector<D>>) {
+        if let Some(response) = response.filter(|_| impulses != self.impulses) {
+            self.velocity_change = response.velocity_change(impulses.clone());
+            self.impulses = impulses;
+        }
+    }
+}
+
+/// Impulses on the nodes without the pressure of the cells, N s; `more` are further impulses on the solids.
+fn impulses_without_pressure<const D: usize>(
     model: &Model<D>,
     p: &Projection<'_, D>,
     response: Option<&SolidResponse<D>>,
@@ -292,7 +311,7 @@ fn change_without_pressure<const D: usize>(
     let Some(response) = response else { return Vec::new() };
     let more = more.map(|more| response.node_impulses(model, p.solids, more));
     let velocity = |f: &DraggedFace| p.velocity.axes[f.axis][f.face];
-    response.change_without_pressure(
+    response.impulses_without_pressure(
         model,
         p.dragged_faces,
         velocity,
