@@ -342,8 +342,9 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
             points.set_node_velocities(model, solids, &self.velocities);
             return Ok(true);
         }
-        // Only changes of the lagged forces and of friction are left: the same Hessian serves.
-        self.response = (off < limit).then_some(response);
+        // The same Hessian serves where only the lagged forces and friction are left to change, and where linear convergence, by `off/size`
+        // an iteration, suffices.
+        self.response = (off < limit || off * off < size * limit).then_some(response);
         if self.iteration >= MAX_NEWTON_ITERATIONS {
             return Err(SolveError::NewtonNotConverged { iterations: self.iteration, off: off / limit });
         }
