@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(block_cells(&Vector::from([1.04, 0.01]), 0.1, 1), [208, 2]);
         assert_eq!(block_cells(&Vector::from([8.0, 8.0, 0.5]), 0.17, 2), [48, 48, 4]);
         assert_eq!(block_cells(&Vector::from([8.0, 8.0, 0.5]), 0.3, 2), [26, 26, 2]);
-        assert_eq!(block_cells(&Vector::from([8.0, 8.0, 0.5]), 0.4, 2), [64, 64, 2]);
+        assert_eq!(block_cells(&Vector::from([8.0, 8.0, 0.5]), 0.4, 2), [32, 32, 2]);
         // The plate of Fig. 15 of Liu et al. (2022).
         let plate = block::<3>([96, 96, 2], &Vector::from([3.33, 3.33, 0.0693]));
         assert_eq!((plate.positions.len(), plate.simplices.len()), (28_227, 110_592));
