@@ -122,6 +122,21 @@ impl<const D: usize> Simulation<D> {
     where
         Self: Compiled<D>,
     {
+        (Self::functions().start)(model, regions)
+    }
+
+    /// Resumes a simulation from a state (a checkpoint), with the same bits as without an interruption.
+    pub fn resume(model: Model<D>, state: State<D>) -> Self
+    where
+        Self: Compiled<D>,
+    {
+        (Self::functions().resume)(model, state)
+    }
+
+    fn start(model: Model<D>, regions: &[LiquidRegion<'_, D>]) -> Self
+    where
+        Self: Compiled<D>,
+    {
         let grid = model.grid;
         let mut state = State::empty(grid);
         state.solids = model.initial_solids();
@@ -132,21 +147,21 @@ impl<const D: usize> Simulation<D> {
             let distance = regions.iter().map(|b| (b.signed_distance)(&x)).fold(f64::INFINITY, f64::min);
             *value = distance.max(model.open_side_distance(&x)).clamp(-limit, limit);
         });
-        let mut simulation = Self::resume(model, state);
+        let mut simulation = Self::of_state(model, state);
         simulation.clamp_phi_beyond_band();
         simulation.redistance_at_wetting_walls();
         simulation.initialise_velocity(regions);
+        simulation.workspace.rebuild_velocity_extension(&simulation.model, &mut simulation.state);
+        update_diagnostics(&simulation.model, &mut simulation.state, &simulation.workspace);
         simulation
     }
 
-    /// Resumes a simulation from a state (a checkpoint), with the same bits as without an interruption.
-    pub fn resume(model: Model<D>, mut state: State<D>) -> Self
+    fn of_state(model: Model<D>, mut state: State<D>) -> Self
     where
         Self: Compiled<D>,
     {
-        let functions = Self::functions();
-        let workspace = (functions.workspace)(&model, &mut state);
-        Self { model, state, workspace, functions }
+        let workspace = Workspace::new(&model, &mut state);
+        Self { model, state, workspace, functions: Self::functions() }
     }
 
     /// Clamps φ beyond the band, as every step does.
@@ -189,12 +204,6 @@ impl<const D: usize> Simulation<D> {
                 },
             );
         }
-        (self.functions.initialise)(self)
-    }
-
-    fn initialise(&mut self) {
-        self.workspace.rebuild_velocity_extension(&self.model, &mut self.state);
-        update_diagnostics(&self.model, &mut self.state, &self.workspace);
     }
 
     /// Takes a step and undoes it like a failed one; for tests of that.
@@ -362,6 +371,10 @@ impl<const D: usize> Simulation<D> {
 
     /// Wetted fraction of a solid's surface, 0 to 1.
     pub fn wetted_fraction(&self, number: usize) -> f64 {
+        (self.functions.wetted_fraction)(self, number)
+    }
+
+    fn wetted_fraction_of(&self, number: usize) -> f64 {
         let solid = self.solid(number);
         if solid.state.as_deformable().is_some() {
             return self.wetted_fraction_of_surface(&solid.surface.mesh, solid.padding);
@@ -393,7 +406,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Diagnostics of the current state.
     pub fn diagnostics(&self) -> Diagnostics<D> {
-        diagnostics(&self.model, &self.state, &self.workspace)
+        (self.functions.diagnostics)(&self.model, &self.state, &self.workspace)
     }
 }
 
@@ -401,9 +414,26 @@ impl<const D: usize> Simulation<D> {
 /// everything it calls, here the whole step: a simulation holds pointers to them instead.
 #[derive(Clone, Copy)]
 pub struct Functions<const D: usize> {
-    workspace: fn(&Model<D>, &mut State<D>) -> Workspace<D>,
-    initialise: fn(&mut Simulation<D>),
+    start: fn(Model<D>, &[LiquidRegion<'_, D>]) -> Simulation<D>,
+    resume: fn(Model<D>, State<D>) -> Simulation<D>,
     step: fn(&mut Simulation<D>, f64, PhaseEnd<'_>) -> Result<StepReport<D>, StepError>,
+    diagnostics: fn(&Model<D>, &State<D>, &Workspace<D>) -> Diagnostics<D>,
+    wetted_fraction: fn(&Simulation<D>, usize) -> f64,
+}
+
+impl<const D: usize> Functions<D>
+where
+    Simulation<D>: Compiled<D>,
+{
+    fn all() -> Self {
+        Self {
+            start: Simulation::start,
+            resume: Simulation::of_state,
+            step: Simulation::advance,
+            diagnostics,
+            wetted_fraction: Simulation::wetted_fraction_of,
+        }
+    }
 }
 
 /// A simulation in two or three dimensions. Generic code that starts one has the bound `Simulation<D>: Compiled<D>`.
@@ -416,14 +446,14 @@ impl Compiled<2> for Simulation<2> {
     // Inlined, or as a constant, it would have the functions compiled where it is used.
     #[inline(never)]
     fn functions() -> Functions<2> {
-        Functions { workspace: Workspace::new, initialise: Self::initialise, step: Self::advance }
+        Functions::all()
     }
 }
 
 impl Compiled<3> for Simulation<3> {
     #[inline(never)]
     fn functions() -> Functions<3> {
-        Functions { workspace: Workspace::new, initialise: Self::initialise, step: Self::advance }
+        Functions::all()
     }
 }
 

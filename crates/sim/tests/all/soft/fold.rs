@@ -204,8 +204,8 @@ where
 
 #[test]
 fn soft_and_rigid_balls_make_a_heap() {
-    heaps::<2>(8, 1.5);
-    heaps::<3>(4, 0.5);
+    heaps::<2>(8, 1.0);
+    heaps::<3>(4, 0.4);
 }
 
 /// Under water it rests with its weight less what the water carries.
