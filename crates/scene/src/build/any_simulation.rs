@@ -6,7 +6,7 @@ use crate::file::Scene;
 use crate::job::padded_to_3d;
 use crate::output::frame::{Frame, FrameExtractor, FrameParts, NotFinite};
 use meniscus_numerics::Vector;
-use meniscus_sim::{Diagnostics, Simulation, StepError, StepReport};
+use meniscus_sim::{Diagnostics, PhaseEnd, Simulation, StepError, StepReport};
 
 /// Relative difference of two times that counts as rounding: that of a sum of 10⁴ steps, each with the error 1e-16.
 const TIME_TOLERANCE: f64 = 1e-12;
@@ -38,6 +38,21 @@ pub struct GridValues<'a> {
     pub first: [f64; 3],
     /// Distance between neighbours, m.
     pub dx: f64,
+}
+
+/// Numbers of cells and vertices of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SimulationSize {
+    /// Cells in the liquid.
+    pub liquid_cells: usize,
+    /// Cells of the narrow band.
+    pub band_cells: usize,
+    /// Those of them next to the interface.
+    pub interface_cells: usize,
+    /// Vertices of the deformable solids.
+    pub vertices: usize,
+    /// Their simplices.
+    pub simplices: usize,
 }
 
 /// An expression with the [`SceneSimulation`] of either dimension.
@@ -86,7 +101,24 @@ impl AnySimulation {
     /// # Errors
     /// [`StepError`], which tells how the state is then.
     pub fn step(&mut self, max_dt: f64) -> Result<StepReport<3>, StepError> {
-        with_either!(self, scene => Ok(report(scene.simulation.step(max_dt, &mut |_| ())?)))
+        self.step_by_phases(max_dt, &mut |_| ())
+    }
+
+    /// The same; `phase_end` is called at the end of each phase of the step.
+    ///
+    /// # Errors
+    /// [`StepError`], which tells how the state is then.
+    pub fn step_by_phases(
+        &mut self,
+        max_dt: f64,
+        phase_end: PhaseEnd<'_>,
+    ) -> Result<StepReport<3>, StepError> {
+        with_either!(self, scene => Ok(report(scene.simulation.step(max_dt, phase_end)?)))
+    }
+
+    /// Numbers of cells and vertices now.
+    pub fn size(&self) -> SimulationSize {
+        with_either!(self, scene => scene.size())
     }
 
     /// Steps until `end`, s.
@@ -132,6 +164,19 @@ impl AnySimulation {
 impl<const D: usize> SceneSimulation<D> {
     fn new(simulation: Simulation<D>, solids: &[(String, f64)]) -> Self {
         Self { extractor: FrameExtractor::new(&simulation.model, solids), simulation }
+    }
+
+    fn size(&self) -> SimulationSize {
+        let Self { simulation, .. } = self;
+        let solids = simulation.model.solids.iter();
+        let meshes: Vec<_> = solids.filter_map(|s| Some(s.elastic()?.rest_mesh())).collect();
+        SimulationSize {
+            liquid_cells: simulation.liquid_cells().cell_count(),
+            band_cells: simulation.band().cells.len(),
+            interface_cells: simulation.band().first_layers(1).len(),
+            vertices: meshes.iter().map(|m| m.positions.len()).sum(),
+            simplices: meshes.iter().map(|m| m.simplices.len()).sum(),
+        }
     }
 
     fn phi(&self) -> GridValues<'_> {

@@ -10,7 +10,7 @@ mod terms;
 mod thickness;
 mod wettability;
 
-pub use any_simulation::{AnySimulation, GridValues, SceneSimulation};
+pub use any_simulation::{AnySimulation, GridValues, SceneSimulation, SimulationSize};
 pub use initial_condition::{Setup, SignedDistanceFn};
 pub use setup::{AnySetup, model, setup};
 pub use shapes::signed_distance_fn;

@@ -125,10 +125,7 @@ fn steps(args: &BenchArgs, machine: Option<&Machine>) -> Result<Value> {
             eprintln!("{name}: skipped: {error}");
             continue;
         }
-        let row = match scene.domain.dimension {
-            2 => step::<2>(name, &scene, count)?,
-            _ => step::<3>(name, &scene, count)?,
-        };
+        let row = step(name, &scene, count)?;
         print(&machine.map_or_else(|| step_rows(&row), |machine| roofline::rows(&row, machine)))?;
         rows.push(row);
     }

@@ -1,10 +1,9 @@
 //! Wall time of a scene's steps by phase.
 
 use crate::failure::{Failure, Result};
-use meniscus_scene::build;
+use meniscus_scene::build::AnySimulation;
 use meniscus_scene::file::Scene;
 use meniscus_scene::output::summary::peak_memory;
-use meniscus_sim::{Compiled, Simulation};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -44,11 +43,8 @@ pub struct StepBench {
 }
 
 /// Times `count` steps of a scene.
-pub fn step<const D: usize>(name: String, scene: &Scene, count: usize) -> Result<StepBench>
-where
-    Simulation<D>: Compiled<D>,
-{
-    let mut simulation = build::setup::<D>(scene)?.simulation();
+pub fn step(name: String, scene: &Scene, count: usize) -> Result<StepBench> {
+    let mut simulation = AnySimulation::of(scene)?;
     let mut phases: Vec<(String, f64)> = Vec::new();
     let (mut seconds, mut iterations, mut viscosity_iterations, mut time) = (0.0, 0, 0, 0.0);
     for i in 0..WARM_UP_STEPS + count {
@@ -64,7 +60,7 @@ where
             last = now;
         };
         let report = simulation
-            .step(scene.output.frame_interval(), &mut phase_end)
+            .step_by_phases(scene.output.frame_interval(), &mut phase_end)
             .map_err(|e| Failure::new(5, format!("{name}: {e}")))?;
         if i >= WARM_UP_STEPS {
             seconds += start.elapsed().as_secs_f64();
@@ -73,17 +69,16 @@ where
             time += report.dt;
         }
     }
-    let solids = simulation.model.solids.iter();
-    let meshes: Vec<_> = solids.filter_map(|s| Some(s.elastic()?.rest_mesh())).collect();
+    let size = simulation.size();
     Ok(StepBench {
         name,
         cells: scene.domain.cells.iter().product(),
-        liquid_cells: simulation.liquid_cells().cell_count(),
-        band_cells: simulation.band().cells.len(),
-        surface_cells: simulation.band().first_layers(1).len(),
-        dimension: D as i32,
-        vertices: meshes.iter().map(|m| m.positions.len()).sum(),
-        elements: meshes.iter().map(|m| m.simplices.len()).sum(),
+        liquid_cells: size.liquid_cells,
+        band_cells: size.band_cells,
+        surface_cells: size.interface_cells,
+        dimension: simulation.dimension() as i32,
+        vertices: size.vertices,
+        elements: size.simplices,
         steps: count,
         time_step: time / count as f64,
         seconds_per_step: seconds / count as f64,

@@ -97,7 +97,7 @@ pub fn table1(quick: bool, as_markdown: bool) -> Result<Value> {
             show(&left_out(paper, &error.to_string()))?;
             continue;
         }
-        let ours = step::<3>(paper.scene.to_owned(), &scene, if quick { 1 } else { TIMED_STEPS })?;
+        let ours = step(paper.scene.to_owned(), &scene, if quick { 1 } else { TIMED_STEPS })?;
         show(&line(paper, &ours))?;
         rows.push(Compared { paper, ours, cells: scene.domain.cells });
     }
