@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Runs two small scenes with all formats of frames, exports them again, and reads every file back with the programs that our users have:
-# meshio, trimesh, VTK and PyVista. Without Python 3.10 or newer, or a package index to install them from, the test is left out.
+# meshio, trimesh, VTK, PyVista and USD. Without Python 3.10 or newer, or a package index to install them from, the test is left
+# out.
 #   .ci/formats-test.sh MENISCUS     the binary; PYTHON=… chooses a Python that has the packages already
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -16,8 +17,8 @@ if [ -z "$python" ]; then
         exit 0
     fi
     python=$work/venv/bin/python
-    if ! "$python" -m pip install -q --disable-pip-version-check "numpy<2" meshio==5.3.5 trimesh==5.2.0 vtk==9.7.2 pyvista==0.49.1 scipy >"$work/pip" 2>&1; then
-        echo "formats-test: LEFT OUT: pip cannot install meshio, trimesh and vtk here: $(tail -n 1 "$work/pip")"
+    if ! "$python" -m pip install -q --disable-pip-version-check "numpy<2" meshio==5.3.5 trimesh==5.2.0 vtk==9.7.2 pyvista==0.49.1 scipy usd-core==26.11 >"$work/pip" 2>&1; then
+        echo "formats-test: LEFT OUT: pip cannot install meshio, trimesh, vtk and usd-core here: $(tail -n 1 "$work/pip")"
         exit 0
     fi
 fi
@@ -52,10 +53,10 @@ material.neo_hookean = { young_modulus = "2 kPa", poisson_ratio = 0.4 }
 fixed = [{ box = { lower = ["0 mm", "0 mm", "1.9 mm"], upper = ["8 mm", "8 mm", "2.2 mm"] } }]
 SCENE
 
-formats='output.formats=["ply", "vtk", "vti", "obj", "glb", "csv"]'
+formats='"ply", "vtk", "vti", "obj", "glb", "usd", "csv"'
 for scene in plate-2d soft-3d; do
-    "$meniscus" run "$work/$scene.toml" --set "$formats" --out "$work/$scene" --quiet
-    for format in ply vtk obj glb csv; do
+    "$meniscus" run "$work/$scene.toml" --set "output.formats=[$formats]" --out "$work/$scene" --quiet
+    for format in ply vtk obj glb usd csv; do
         "$meniscus" export "$work/$scene" --to "$format" >/dev/null 2>"$work/said" || { cat "$work/said" >&2; exit 1; }
     done
     "$meniscus" export "$work/$scene" --to obj --frames 1 --scale 100 --up y --out "$work/$scene/turned" >/dev/null

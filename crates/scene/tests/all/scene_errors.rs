@@ -217,8 +217,8 @@ fn what_cannot_run_yet() {
     let e = bad_text(&format!("{GOOD}{soft}"));
     assert!(e.message.contains("thin sheets"), "{e}");
     assert_eq!(e.line_column().map(|at| at.0), Some(27), "{}", e.render());
-    let e = bad_text(&format!("{GOOD}formats = [\"usd\"]\n"));
-    assert!(e.message.contains("`usd`"), "{e}");
+    let e = bad_text(&format!("{GOOD}formats = [\"vdb\"]\n"));
+    assert!(e.message.contains("`vdb`"), "{e}");
     let e = bad_text(&format!("{GOOD}\n[numerics]\nscheme = \"paper\"\n"));
     assert_eq!(marked(&e), "\"paper\"");
     let e = bad_text(&format!("{GOOD}\n[contact_line]\nneumann = true\n"));
