@@ -177,6 +177,20 @@ def check_vti(path, liquid):
     probe.Update()
     phi = vtk_to_numpy(probe.GetOutput().GetPointData().GetArray("phi"))
     assert len(phi) and np.abs(phi).max() < 0.5 * output.GetSpacing()[0], (path, np.abs(phi).max())
+    keep_fields(path, output, data)
+
+
+def keep_fields(path, output, data):
+    """Keeps the fields as arrays [z, y, x], for the Python that has OpenVDB."""
+    shape = output.GetDimensions()[::-1]
+    np.savez(
+        path.with_suffix(".npz"),
+        phi=data["phi"].reshape(shape),
+        velocity=data["velocity"].reshape(*shape, 3),
+        first=output.GetOrigin(),
+        dx=output.GetSpacing()[0],
+        time=output.GetFieldData().GetArray("TimeValue").GetValue(0),
+    )
 
 
 def check_pvd(path, times):

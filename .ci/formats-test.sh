@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Runs two small scenes with all formats of frames, exports them again, and reads every file back with the programs that our users have:
-# meshio, trimesh, VTK, PyVista and USD. Without Python 3.10 or newer, or a package index to install them from, the test is left
-# out.
-#   .ci/formats-test.sh MENISCUS     the binary; PYTHON=… chooses a Python that has the packages already
+# meshio, trimesh, VTK, PyVista, USD and OpenVDB. Without Python 3.10 or newer, or a package index to install them from, the test is left
+# out; OpenVDB's Python module comes from Debian, and its part alone is left out where it cannot be installed.
+#   .ci/formats-test.sh MENISCUS     the binary; PYTHON=… chooses a Python that has the packages already, VDB_PYTHON=… one with OpenVDB
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 [ $# -eq 1 ] || { echo "usage: formats-test.sh MENISCUS" >&2; exit 2; }
@@ -21,6 +21,12 @@ if [ -z "$python" ]; then
         echo "formats-test: LEFT OUT: pip cannot install meshio, trimesh, vtk and usd-core here: $(tail -n 1 "$work/pip")"
         exit 0
     fi
+fi
+
+vdb_python=${VDB_PYTHON:-/usr/bin/python3}
+has_vdb() { "$vdb_python" -c 'import pyopenvdb' 2>/dev/null || "$vdb_python" -c 'import openvdb' 2>/dev/null; }
+if ! has_vdb && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+    apt-get install -y -q --no-install-recommends python3-openvdb >"$work/apt" 2>&1 || true
 fi
 
 cat > "$work/plate-2d.toml" <<'SCENE'
@@ -55,6 +61,7 @@ SCENE
 
 formats='"ply", "vtk", "vti", "obj", "glb", "usd", "csv"'
 for scene in plate-2d soft-3d; do
+    [ $scene = plate-2d ] || formats="$formats, \"vdb\""
     "$meniscus" run "$work/$scene.toml" --set "output.formats=[$formats]" --out "$work/$scene" --quiet
     for format in ply vtk obj glb usd csv; do
         "$meniscus" export "$work/$scene" --to "$format" >/dev/null 2>"$work/said" || { cat "$work/said" >&2; exit 1; }
@@ -62,3 +69,8 @@ for scene in plate-2d soft-3d; do
     "$meniscus" export "$work/$scene" --to obj --frames 1 --scale 100 --up y --out "$work/$scene/turned" >/dev/null
     "$python" "$here/formats-check.py" "$work/$scene"
 done
+if has_vdb; then
+    "$vdb_python" "$here/formats-vdb.py" "$work/soft-3d"
+else
+    echo "formats-test: VDB LEFT OUT: $vdb_python has no module of OpenVDB (Debian: python3-openvdb)"
+fi

@@ -105,7 +105,9 @@ mod tests {
         assert!(["0", "-1", "inf", "nan", "1 m"].iter().all(|s| scale_factor(s).is_err()));
         assert_eq!(export_format("usd"), Ok(Format::Usd));
         assert!(export_format("gltf").is_err_and(|e| e.contains("accepted: ply, vtk, obj, glb, usd, csv")));
-        assert!(export_format("vti").is_err_and(|e| e.contains("[\"vti\"]")));
+        for fields in ["vti", "vdb"] {
+            assert!(export_format(fields).is_err_and(|e| e.contains(&format!("[\"{fields}\"]"))));
+        }
         assert_eq!(hex_color("#ff8000"), Ok(0xff8000));
         assert!(hex_color("red").is_err() && hex_color("fff").is_err());
     }

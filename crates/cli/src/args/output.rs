@@ -128,8 +128,8 @@ Formats (docs/formats.md tells which program reads which, and with what):
   csv   tables of the contact line: position, angle, speed, force
   ply   as stored, such as with another --scale
 Stored frames have surfaces and contact lines. Elements of deformable solids
-(.vtu) and fields on the grid (.vti) are written by a run whose scene has
-output.formats = [\"vtk\", \"vti\"].";
+(.vtu) and fields on the grid (.vti, .vdb) are written by a run whose scene
+has output.formats = [\"vtk\", \"vti\", \"vdb\"].";
 
 /// `meniscus export`.
 #[derive(Debug, Args)]

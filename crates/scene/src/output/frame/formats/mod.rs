@@ -5,6 +5,7 @@ mod glb;
 mod obj;
 mod ply;
 mod usd;
+mod vdb;
 mod vtk;
 
 use super::FrameWriter;
@@ -17,6 +18,7 @@ pub use glb::GlbWriter;
 pub use obj::ObjWriter;
 pub use ply::PlyWriter;
 pub use usd::UsdWriter;
+pub use vdb::VdbWriter;
 pub use vtk::{VtiWriter, VtkWriter};
 
 /// A format of the output (docs/formats.md).
@@ -38,8 +40,7 @@ pub enum Format {
     Glb,
     /// Each frame as USD text (`.usda`), with materials, and `run.usda`, which plays them all; for Houdini, Blender and `usdview`.
     Usd,
-    /// OpenVDB level sets.
-    #[schemars(skip)]
+    /// OpenVDB (`.vdb`), 3D only: the level set in a band around the surface, and the velocity; for Houdini, Blender and renderers.
     Vdb,
     /// The contact line of each frame as a table: position, angle, speed, force.
     Csv,
@@ -74,9 +75,10 @@ impl Format {
             Self::Obj => Some(Arc::new(ObjWriter)),
             Self::Glb => Some(Arc::new(GlbWriter)),
             Self::Usd => Some(Arc::new(UsdWriter)),
+            Self::Vdb => Some(Arc::new(VdbWriter)),
             Self::Csv => Some(Arc::new(CsvWriter)),
             // The page is made from the folder at the end of a run.
-            Self::Page | Self::Vdb => None,
+            Self::Page => None,
         }
     }
 }
