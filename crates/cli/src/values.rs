@@ -85,6 +85,12 @@ pub fn scale_factor(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number above 0, such as 100 for centimetres".to_owned())
 }
 
+/// A relative tolerance.
+pub fn relative_tolerance(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|x| *x >= 1e-6 && *x < 1.0);
+    number.ok_or_else(|| "expected a number from 1e-6 to below 1, such as 0.02".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -108,6 +114,7 @@ mod tests {
         for fields in ["vti", "vdb"] {
             assert!(export_format(fields).is_err_and(|e| e.contains(&format!("[\"{fields}\"]"))));
         }
+        assert!(["0", "1", "nan", "2 %"].iter().all(|s| relative_tolerance(s).is_err()));
         assert_eq!(hex_color("#ff8000"), Ok(0xff8000));
         assert!(hex_color("red").is_err() && hex_color("fff").is_err());
     }

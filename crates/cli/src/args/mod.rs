@@ -2,10 +2,12 @@
 
 mod output;
 mod run;
+mod sweep;
 mod verification;
 
 pub use output::{ExportArgs, MeasureArgs, PageArgs, RenderArgs, UpAxis};
 pub use run::{CheckArgs, LogFormat, Quality, RunArgs, SceneArgs};
+pub use sweep::SweepArgs;
 pub use verification::{BenchArgs, Set, SoakArgs, Solids, VerifyArgs};
 
 use clap::{Args, Parser, Subcommand};
@@ -22,7 +24,8 @@ First steps (SCENE may be a built-in name or a .toml file):
   meniscus new fig12-contact-angle-45-2d -o my.toml   write a copy to change, named `my`
   meniscus check my.toml                              check a scene without running it
   meniscus run my.toml --set tension.plate.contact_angle=60deg
-  meniscus measure out/my";
+  meniscus measure out/my
+Many runs at once, or a threshold:  meniscus sweep --help";
 
 /// Simulates liquids with surface tension in contact with rigid and deformable solids.
 #[derive(Debug, Parser)]
@@ -57,6 +60,8 @@ pub enum Command {
     Page(PageArgs),
     /// Render pictures of a run, and a film if ffmpeg is installed.
     Render(RenderArgs),
+    /// Run a scene with many values of its parameters, or find the value at which a check of it changes.
+    Sweep(SweepArgs),
     /// Convert the stored frames of a run to another format, for ParaView, Blender and other programs.
     Export(ExportArgs),
     /// Print the JSON Schema of scene files, for editors (see docs/scene.md).
