@@ -50,7 +50,7 @@ pub struct SweepArgs {
     /// Run nothing: write table and page of the cases that have run.
     #[arg(long, conflicts_with = "find")]
     pub collect: bool,
-    /// Name of a check of [expect], such as floats.ball: find the value at which it changes from met to missed.
+    /// Name of an expectation of the scene, such as floats.ball: find the value at which it changes from met to missed.
     #[arg(long, value_name = "EXPECT")]
     pub find: Option<String>,
     /// With --find: relative width of the interval in which the value is. [default: 0.02]

@@ -144,22 +144,30 @@ impl Search<'_> {
         let relative = 100.0 * half / threshold.abs();
         let Interval { path, unit, .. } = &self.interval;
         let text = |probe: &Probe| self.interval.text(probe.value);
-        print(&format!(
-            "threshold {path} = {} ± {} ({relative:.1} %): `{}` is met at {}, missed at {}\n",
+        let told = format!(
+            "threshold {path} = {} ± {} ({relative:.1} %): `{}` is met at {}, missed at {}",
             self.interval.text(super::vary::rounded_to(threshold, 6)),
             self.interval.text(super::vary::rounded_to(half, 2)),
             self.check,
             text(met),
             text(missed)
-        ))?;
+        );
+        print(&format!("{told}\n"))?;
         let probe = |p: &Probe| json!({ "value": p.value, "met": p.met, "measured": p.measured });
         let document = json!({
-            "path": path, "unit": unit, "check": self.check, "met_at": met.value, "missed_at": missed.value,
+            "result": told, "path": path, "unit": unit, "check": self.check, "met_at": met.value, "missed_at": missed.value,
             "threshold": threshold, "uncertainty": half, "tolerance": self.tolerance,
             "cases": probes.iter().map(probe).collect::<Vec<_>>(),
         });
         save(&folder.file("find.json"), &format!("{document:#}\n"))
     }
+}
+
+/// The sentence with the result of a search, if it has come to its end.
+pub fn result(folder: &SweepFolder) -> Option<String> {
+    let text = std::fs::read_to_string(folder.file("find.json")).ok()?;
+    let document: serde_json::Value = serde_json::from_str(&text).ok()?;
+    Some(document["result"].as_str()?.to_owned())
 }
 
 /// The exit status of cases of which one did not finish.

@@ -248,9 +248,10 @@ fn collect(args: &SweepArgs, folder: &SweepFolder, plan: &Plan, cases: &[Vec<Str
         Some(check) => format!("{}: where {check} changes", plan.name),
         None => format!("{}: {} cases", plan.name, cases.len()),
     };
-    let varied: Vec<String> =
+    let mut notes: Vec<String> =
         plan.vary.iter().map(|vary| format!("{}: {}", vary.path, vary.values.join(", "))).collect();
-    save(&page, &page::page(folder, &title, &varied, &table))?;
+    notes.extend(find::result(folder));
+    save(&page, &page::page(folder, &title, &notes, &table))?;
     if args.quiet {
         return Ok(());
     }

@@ -9,6 +9,9 @@ use std::fmt::Write as _;
 const CELL: [f64; 2] = [76.0, 40.0];
 const MARGIN: [f64; 2] = [110.0, 58.0];
 
+/// Measures of the run rather than of its outcome, which have no map.
+const UNMAPPED: [&str; 4] = ["volume error", "simulated time", "steps", "wall time"];
+
 /// Colours of what is met, missed, and not finished.
 const MET: &str = "#9fd8a4";
 const MISSED: &str = "#f2a7a0";
@@ -89,7 +92,8 @@ fn maps(table: &Table) -> String {
         return String::new();
     }
     let mut html = String::from("<h2>Phase maps</h2>\n<div class=\"maps\">\n");
-    let outcome = |row: &Row| (color(row.met).to_owned(), String::new());
+    let word = |met: bool| if met { "met" } else { "missed" };
+    let outcome = |row: &Row| (color(row.met).to_owned(), row.met.map_or("", word).to_owned());
     if table.rows.iter().flat_map(|row| &row.cells).any(|cell| cell.met.is_some()) {
         html += &map(table, "all checks", &outcome);
     }
@@ -98,7 +102,7 @@ fn maps(table: &Table) -> String {
         let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
         let is_check = table.is_check(name);
         // A measure that is everywhere the same tells nothing.
-        if !is_check && low >= high {
+        if !is_check && (low >= high || UNMAPPED.contains(&name.as_str())) {
             continue;
         }
         let look = |row: &Row| {
@@ -185,7 +189,7 @@ mod tests {
                 2 => Vec::new(),
                 _ => vec![
                     Cell { name: "drops".into(), value: Some(case as f64), met: Some(case != 1) },
-                    Cell { name: "steps".into(), value: Some(case as f64), met: None },
+                    Cell { name: "wetted".into(), value: Some(case as f64), met: None },
                     Cell { name: "same".into(), value: Some(1.0), met: None },
                 ],
             },
@@ -193,7 +197,7 @@ mod tests {
         Table {
             parameters: vec![parameter("a"), parameter("b")],
             rows: (0..4).map(row).collect(),
-            quantities: ["drops", "steps", "same"].map(|name| (name.into(), String::new())).to_vec(),
+            quantities: ["drops", "wetted", "same"].map(|name| (name.into(), String::new())).to_vec(),
         }
     }
 

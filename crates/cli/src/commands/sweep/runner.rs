@@ -137,12 +137,17 @@ impl Runner<'_> {
         Ok(())
     }
 
-    /// The exit status of a case: that of its checks if it is finished, else that of its process; 1 if a signal ended it.
+    /// The exit status of a case: that of its checks if it is finished, else that of its process; 1 if a signal ended it unasked.
     fn status(&self, case: usize, process: ExitStatus) -> Result<u8> {
         if let Some(outcome) = Outcome::read(self.folder, case)? {
             return Ok(outcome.status());
         }
-        Ok(process.code().and_then(|code| u8::try_from(code).ok()).filter(|code| *code != 0).unwrap_or(1))
+        Ok(match process.code().map(u8::try_from) {
+            // A process that has no handler of signals yet ends at once.
+            None if self.requests() > 0 => STOPPED,
+            None | Some(Ok(0) | Err(_)) => 1,
+            Some(Ok(code)) => code,
+        })
     }
 }
 

@@ -114,7 +114,7 @@ impl Table {
             for (name, _) in &self.quantities {
                 let cell = row.cell(name);
                 let value = cell.and_then(|cell| cell.value).filter(|value| value.is_finite());
-                words.push(value.map_or(String::new(), |value| value.to_string()));
+                words.push(value.map_or(String::new(), exact));
                 if self.is_check(name) {
                     words.push(flag(cell.and_then(|cell| cell.met)));
                 }
@@ -175,6 +175,11 @@ pub fn short(value: f64) -> String {
     }
     let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
     format!("{value:.digits$}")
+}
+
+/// A number with all its digits.
+fn exact(value: f64) -> String {
+    if value.fract() == 0.0 && value.abs() < 1e15 { format!("{value}") } else { format!("{value:?}") }
 }
 
 /// A name with its unit in parentheses.
