@@ -1,6 +1,7 @@
 """Reads all files of a run and of its exports with meshio, trimesh, VTK, PyVista and USD, and compares them with the PLY files as read here.
 
-    python formats-check.py RUN    RUN has frames/ with all formats, export/FORMAT/ of each, and turned/ with a scaled OBJ
+    python formats-check.py RUN             RUN has frames/ with all formats, export/FORMAT/ of each, and turned/ with a scaled OBJ
+    python formats-check.py --fields RUN    only keeps the fields of the VTK files as arrays, for formats-vdb.py
 """
 
 import csv
@@ -247,4 +248,9 @@ def main(run):
     print(f"formats-test: {run.name}: {dimension}D, {len(numbers)} frames, {len(lines)} with a line, {formats_common.checks} comparisons")
 
 
-main(Path(sys.argv[1]))
+if sys.argv[1] == "--fields":
+    for image in sorted(Path(sys.argv[2], "frames").glob("*.vti")):
+        fields = read_vtk(vtk.vtkXMLImageDataReader(), image)
+        keep_fields(image, fields, data_of(fields.GetPointData()))
+else:
+    main(Path(sys.argv[1]))

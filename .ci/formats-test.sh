@@ -58,6 +58,16 @@ mesh.edge = "0.5 mm"
 material.neo_hookean = { young_modulus = "2 kPa", poisson_ratio = 0.4 }
 fixed = [{ box = { lower = ["0 mm", "0 mm", "1.9 mm"], upper = ["8 mm", "8 mm", "2.2 mm"] } }]
 SCENE
+# Liquid at all sides: the level set is closed there.
+cat > "$work/tank-3d.toml" <<'SCENE'
+format = 1
+name = "tank-3d"
+domain = { dimension = 3, size = ["8 mm", "6 mm", "8 mm"], resolution = 40 }
+liquid = { density = "1 g/cm^3", kinematic_viscosity = "0.1 cm^2/s", body = [
+  { shape.half_space = { point = ["4 mm", "3 mm", "5 mm"], normal = [0.2, 0, 1] } } ] }
+tension.liquid_air = "72.8 mN/m"
+output = { duration = "1 ms", frame_interval = "0.5 ms", formats = ["vti", "vdb"] }
+SCENE
 
 formats='"ply", "vtk", "vti", "obj", "glb", "usd", "csv"'
 for scene in plate-2d soft-3d; do
@@ -70,7 +80,11 @@ for scene in plate-2d soft-3d; do
     "$python" "$here/formats-check.py" "$work/$scene"
 done
 if has_vdb; then
-    "$vdb_python" "$here/formats-vdb.py" "$work/soft-3d"
+    "$meniscus" run "$work/tank-3d.toml" --out "$work/tank-3d" --quiet
+    "$python" "$here/formats-check.py" --fields "$work/tank-3d"
+    for scene in soft-3d tank-3d; do
+        "$vdb_python" "$here/formats-vdb.py" "$work/$scene"
+    done
 else
     echo "formats-test: VDB LEFT OUT: $vdb_python has no module of OpenVDB (Debian: python3-openvdb)"
 fi

@@ -40,6 +40,15 @@ def active_of(grid, shape, lower):
     return mask
 
 
+def check_closed(path, level):
+    """Every edge of the surface that OpenVDB makes of the level set belongs to two faces."""
+    _, triangles, quads = level.convertToPolygons()
+    faces = [np.asarray(f, int).reshape(-1, n) for f, n in ((triangles, 3), (quads, 4))]
+    edges = [np.sort(np.stack([f, np.roll(f, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1) for f in faces]
+    _, counts = np.unique(np.concatenate(edges), axis=0, return_counts=True)
+    assert len(counts) and (counts == 2).all(), (path, np.bincount(counts))
+
+
 def check(path):
     fields = np.load(path.with_suffix(".npz"))
     dx, first = float(fields["dx"]), fields["first"]
@@ -65,6 +74,7 @@ def check(path):
     edge = np.abs(np.abs(phi) - background) <= 2e-7 * background
     assert (active == (np.abs(phi) < background))[~edge].all(), path
     assert level.activeVoxelCount() == active.sum() and active.any()
+    check_closed(path, level)
     inner = phi[BAND:-BAND, BAND:-BAND, BAND:-BAND]
     values = fields["velocity"].transpose(2, 1, 0, 3)
     found = array_of(velocity, values.shape, (0, 0, 0), "f4")
