@@ -1,6 +1,7 @@
-"""Reads all files of a run and of its exports with meshio, trimesh, VTK and PyVista, and compares them with the PLY files as read here.
+"""Reads all files of a run and of its exports with meshio, trimesh, VTK, PyVista and USD, and compares them with the PLY files as read here.
 
-    python formats-check.py RUN    RUN has frames/ with all formats, export/FORMAT/ of each, and turned/ with a scaled OBJ
+    python formats-check.py RUN             RUN has frames/ with all formats, export/FORMAT/ of each, and turned/ with a scaled OBJ
+    python formats-check.py --fields RUN    only keeps the fields of the VTK files as arrays, for formats-vdb.py
 """
 
 import csv
@@ -9,62 +10,15 @@ import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import formats_common
 import meshio
 import numpy as np
 import pyvista
 import trimesh
 import vtk
+from formats_common import Ply, edges_of, same
+from formats_usd import check_usd
 from vtk.util.numpy_support import vtk_to_numpy
-
-TYPES = {"double": "<f8", "float": "<f4", "int": "<i4", "uchar": "u1"}
-checks = 0
-
-
-def same(what, a, b):
-    """Equal in shape and in every bit of the values."""
-    global checks
-    checks += 1
-    a, b = np.asarray(a), np.asarray(b)
-    assert a.shape == b.shape, f"{what}: {a.shape} is not {b.shape}"
-    assert np.array_equal(a, b), f"{what}: values differ by up to {np.abs(a.astype(float) - b).max()}"
-
-
-def edges_of(lines):
-    """The edges of polylines, each with its smaller vertex first, sorted."""
-    return sorted(tuple(sorted((int(a), int(b)))) for line in lines for a, b in zip(line[:-1], line[1:]))
-
-
-class Ply:
-    """A PLY file as the documentation describes it."""
-
-    def __init__(self, path):
-        data = path.read_bytes()
-        head, self.body = data.split(b"end_header\n", 1)
-        lines = head.decode().splitlines()
-        self.time = next(float(line.split()[2]) for line in lines if line.startswith("comment time "))
-        at = next(i for i, line in enumerate(lines) if line.startswith("element vertex"))
-        count = int(lines[at].split()[2])
-        properties = []
-        while lines[at + 1].startswith("property"):
-            at += 1
-            _, kind, name = lines[at].split()
-            properties.append((name, TYPES[kind]))
-        faces = int(lines[at + 1].split()[2])
-        assert lines[at + 1].startswith("element face") and len(lines) == at + 3, lines
-        table = np.frombuffer(self.body, np.dtype(properties), count)
-        self.points = np.stack([table[axis] for axis in "xyz"], axis=1)
-        self.attributes = {name: table[name] for name, _ in properties[3:]}
-        columns = [table[name] for name, _ in properties if name.split("_")[0] == "next"]
-        edges = [(a, b) for column in columns for a, b in enumerate(column) if b >= 0]
-        self.edges = np.array(sorted(edges), int).reshape(-1, 2)
-        cells = np.frombuffer(self.body[table.nbytes :], [("n", "u1"), ("v", "<i4", 3)], faces)
-        assert (cells["n"] == 3).all() and len(self.body) == table.nbytes + cells.nbytes
-        self.triangles = cells["v"]
-        self.is_points = not len(self.edges) and not faces
-
-    def data(self):
-        """Attributes without those that tell the edges."""
-        return {name: values for name, values in self.attributes.items() if name.split("_")[0] != "next"}
 
 
 def check_ply(path, ply):
@@ -224,6 +178,20 @@ def check_vti(path, liquid):
     probe.Update()
     phi = vtk_to_numpy(probe.GetOutput().GetPointData().GetArray("phi"))
     assert len(phi) and np.abs(phi).max() < 0.5 * output.GetSpacing()[0], (path, np.abs(phi).max())
+    keep_fields(path, output, data)
+
+
+def keep_fields(path, output, data):
+    """Keeps the fields as arrays [z, y, x], for the Python that has OpenVDB."""
+    shape = output.GetDimensions()[::-1]
+    np.savez(
+        path.with_suffix(".npz"),
+        phi=data["phi"].reshape(shape),
+        velocity=data["velocity"].reshape(*shape, 3),
+        first=output.GetOrigin(),
+        dx=output.GetSpacing()[0],
+        time=output.GetFieldData().GetArray("TimeValue").GetValue(0),
+    )
 
 
 def check_pvd(path, times):
@@ -272,10 +240,17 @@ def main(run):
         for folder in (frames, run / "export/glb"):
             check_glb(folder / f"frame_{number}.glb", meshes, dimension)
         check_vti(frames / f"fields_{number}.vti", meshes["liquid"])
+    for folder in (frames, run / "export/usd"):
+        check_usd(folder, stored, times, dimension)
     check_pvd(frames / "run.pvd", times)
     check_pvd(run / "export/vtk/run.pvd", times)
     check_obj(run / "turned/liquid_0001.obj", stored["liquid_0001"], 100.0, turn=dimension == 3)
-    print(f"formats-test: {run.name}: {dimension}D, {len(numbers)} frames, {len(lines)} with a line, {checks} comparisons")
+    print(f"formats-test: {run.name}: {dimension}D, {len(numbers)} frames, {len(lines)} with a line, {formats_common.checks} comparisons")
 
 
-main(Path(sys.argv[1]))
+if sys.argv[1] == "--fields":
+    for image in sorted(Path(sys.argv[2], "frames").glob("*.vti")):
+        fields = read_vtk(vtk.vtkXMLImageDataReader(), image)
+        keep_fields(image, fields, data_of(fields.GetPointData()))
+else:
+    main(Path(sys.argv[1]))

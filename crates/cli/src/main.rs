@@ -11,14 +11,10 @@ mod values;
 use crate::args::{Cli, Command, LogFormat};
 use crate::failure::{Failure, Result};
 use clap::Parser;
-use clap::error::ErrorKind;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = match parsed() {
-        Ok(cli) => cli,
-        Err(failure) => return fail(failure, false),
-    };
+    let cli = Cli::parse();
     let json = matches!(&cli.command, Command::Run(run) if run.log == LogFormat::Json);
     let done = std::panic::catch_unwind(|| dispatch(cli.command));
     let done = done.unwrap_or_else(|_| {
@@ -57,27 +53,7 @@ fn dispatch(command: Command) -> Result {
         Command::Info(args) => commands::info::info(args.json),
         Command::Completions { shell } => commands::info::completions(shell),
         Command::Export(args) => commands::export::export(&args),
+        Command::Sweep(args) => commands::sweep::sweep(&args),
         Command::Measure(args) => commands::measure::measure(&args),
-    }
-}
-
-/// Commands that this version does not have, with alternatives. They are in no help text and no completion.
-const UNAVAILABLE_COMMANDS: [(&str, &str); 1] =
-    [("sweep", "a shell loop over `meniscus run --set path=value --out DIR` does the same")];
-
-/// Parses the command line. Errors of clap go to standard error, with exit status 2.
-fn parsed() -> Result<Cli> {
-    let error = match Cli::try_parse() {
-        Ok(cli) => return Ok(cli),
-        Err(error) => error,
-    };
-    let first = std::env::args().nth(1);
-    let later = UNAVAILABLE_COMMANDS.iter().find(|(name, _)| first.as_deref() == Some(*name));
-    match later.filter(|_| error.kind() == ErrorKind::InvalidSubcommand) {
-        Some((name, instead)) => {
-            let message = format!("`meniscus {name}` is not in this version");
-            Err(Failure::new(failure::USAGE, message).help(*instead))
-        }
-        None => error.exit(),
     }
 }

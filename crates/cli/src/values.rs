@@ -66,15 +66,14 @@ pub fn picture_size(text: &str) -> Result<(u32, u32), String> {
 
 /// A format to which stored frames can be converted.
 pub fn export_format(text: &str) -> Result<Format, String> {
-    let instead = match text {
-        "vti" => {
-            "stored frames have no fields on the grid: run the scene with output.formats = [\"vti\"]; accepted here"
-        }
-        "page" => "`meniscus page DIR` makes the page of a run; accepted here",
-        "usd" | "vdb" => "this version does not write it yet; accepted",
-        _ => "accepted",
+    let has_surfaces = |f: &Format| f.frame_writer().is_some_and(|writer| !writer.parts().fields);
+    let instead = match Format::ALL.into_iter().find(|f| f.name() == text) {
+        Some(Format::Page) => "`meniscus page DIR` makes the page of a run; accepted here".to_owned(),
+        Some(_) => format!(
+            "stored frames have no fields on the grid: run the scene with output.formats = [\"{text}\"]; accepted here"
+        ),
+        None => "accepted".to_owned(),
     };
-    let has_surfaces = |f: &Format| f.frame_writer().is_some() && *f != Format::Vti;
     let found = Format::ALL.into_iter().filter(has_surfaces).find(|f| f.name() == text);
     let names: Vec<&str> = Format::ALL.into_iter().filter(has_surfaces).map(Format::name).collect();
     found.ok_or_else(|| format!("{instead}: {}", names.join(", ")))
@@ -84,6 +83,12 @@ pub fn export_format(text: &str) -> Result<Format, String> {
 pub fn scale_factor(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|s| s.is_finite() && *s > 0.0);
     number.ok_or_else(|| "expected a number above 0, such as 100 for centimetres".to_owned())
+}
+
+/// A relative tolerance.
+pub fn relative_tolerance(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|x| *x >= 1e-6 && *x < 1.0);
+    number.ok_or_else(|| "expected a number from 1e-6 to below 1, such as 0.02".to_owned())
 }
 
 #[cfg(test)]
@@ -104,10 +109,12 @@ mod tests {
         assert_eq!((picture_range("7"), picture_range("3:7")), (Ok((7, 7)), Ok((3, 7))));
         assert_eq!((scale_factor("1e3"), export_format("vtk")), (Ok(1000.0), Ok(Format::Vtk)));
         assert!(["0", "-1", "inf", "nan", "1 m"].iter().all(|s| scale_factor(s).is_err()));
-        assert!(
-            export_format("usd").is_err_and(|e| e.contains("yet") && e.contains("ply, vtk, obj, glb, csv"))
-        );
-        assert!(export_format("vti").is_err_and(|e| e.contains("output.formats")));
+        assert_eq!(export_format("usd"), Ok(Format::Usd));
+        assert!(export_format("gltf").is_err_and(|e| e.contains("accepted: ply, vtk, obj, glb, usd, csv")));
+        for fields in ["vti", "vdb"] {
+            assert!(export_format(fields).is_err_and(|e| e.contains(&format!("[\"{fields}\"]"))));
+        }
+        assert!(["0", "1", "nan", "2 %"].iter().all(|s| relative_tolerance(s).is_err()));
         assert_eq!(hex_color("#ff8000"), Ok(0xff8000));
         assert!(hex_color("red").is_err() && hex_color("fff").is_err());
     }

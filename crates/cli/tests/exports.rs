@@ -23,14 +23,18 @@ fn files(folder: &Path, extension: &str) -> Vec<(String, Vec<u8>)> {
 #[test]
 fn a_run_and_an_export_write_the_same_files() {
     let place = Place::new("export");
-    let scene = PLATE.replace("[\"ply\"]", "[\"ply\", \"vtk\", \"vti\", \"obj\", \"glb\", \"csv\"]");
+    let scene = PLATE.replace("[\"ply\"]", "[\"ply\", \"vtk\", \"vti\", \"obj\", \"glb\", \"usd\", \"csv\"]");
     std::fs::write(place.path("plate.toml"), scene).unwrap();
     place.expect("run plate.toml --out run --quiet", 0);
     let frames = place.path("run/frames");
-    for format in ["ply", "vtk", "obj", "glb", "csv"] {
+    for format in ["ply", "vtk", "obj", "glb", "usd", "csv"] {
         place.expect(&format!("export run --to {format}"), 0);
         let exported = place.path(&format!("run/export/{format}"));
-        let extensions = if format == "vtk" { vec!["vtp", "pvd"] } else { vec![format] };
+        let extensions = match format {
+            "vtk" => vec!["vtp", "pvd"],
+            "usd" => vec!["usda"],
+            _ => vec![format],
+        };
         for extension in extensions {
             let of_run: Vec<_> =
                 files(&frames, extension).into_iter().filter(|f| f.0 != "fields.pvd").collect();

@@ -27,6 +27,33 @@ pub fn evaluate(scene: &Scene, summary: &Summary, series: &TimeSeries) -> Vec<Ve
     verdicts
 }
 
+/// Names of the expectations of a scene, in the order of [`evaluate`]: the key, and after a dot the solid, side or repair that it is about.
+pub fn names(expect: &Expect) -> Vec<String> {
+    let runs = [
+        ("volume_drift", expect.volume_drift.is_some()),
+        ("momentum_error", expect.momentum_error.is_some()),
+        ("energy_growth", expect.energy_growth.is_some()),
+        ("max_speed", expect.max_speed.is_some()),
+        ("period", expect.period.is_some()),
+        ("frequency", expect.frequency.is_some()),
+    ];
+    let mut names: Vec<String> =
+        runs.into_iter().filter(|(_, given)| *given).map(|(key, _)| key.to_owned()).collect();
+    names.extend(expect.repairs.bounds().into_iter().map(|(name, _)| format!("repairs.{name}")));
+    names.extend(expect.drops.map(|_| "drops".to_owned()));
+    let mut about = |key: &str, whats: &mut dyn Iterator<Item = String>| {
+        names.extend(whats.map(|what| format!("{key}.{what}")));
+    };
+    about("reach", &mut expect.reach.iter().map(|r| format!("{:?}", r.side).to_lowercase()));
+    about("contact_angle", &mut expect.contact_angle.iter().map(|e| e.solid.clone()));
+    about("floats", &mut expect.floats.iter().cloned());
+    about("sinks", &mut expect.sinks.iter().cloned());
+    about("wetted", &mut expect.wetted.iter().map(|e| e.solid.clone()));
+    about("position", &mut expect.position.iter().map(|e| e.solid.clone()));
+    about("deflection", &mut expect.deflection.iter().map(|e| e.solid.clone()));
+    names
+}
+
 /// The invariants of deformable solids, the last ones of [`evaluate`].
 pub fn solid_integrity(summary: &Summary) -> impl Iterator<Item = Verdict> {
     let element = summary.least_element.map(|least| Verdict {

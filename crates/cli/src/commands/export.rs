@@ -111,7 +111,11 @@ fn is_same_folder(a: &Path, b: &Path) -> bool {
 
 /// The files of a format in a folder.
 fn files(folder: &Path, format: Format) -> Result<Vec<PathBuf>> {
-    let extensions: &[&str] = if format == Format::Vtk { &["vtp", "vtu", "pvd"] } else { &[format.name()] };
+    let extensions: &[&str] = match format {
+        Format::Vtk => &["vtp", "vtu", "pvd"],
+        Format::Usd => &["usda"],
+        _ => &[format.name()],
+    };
     let entries = std::fs::read_dir(folder).map_err(FileError::of("read", folder))?;
     let is_of_format = |path: &PathBuf| {
         path.is_file() && path.extension().and_then(|e| e.to_str()).is_some_and(|e| extensions.contains(&e))

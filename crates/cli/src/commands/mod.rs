@@ -8,6 +8,7 @@ pub mod measure;
 pub mod run;
 pub mod scenes;
 pub mod soak;
+pub mod sweep;
 pub mod verify;
 pub mod view;
 

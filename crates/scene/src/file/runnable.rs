@@ -4,7 +4,6 @@ use crate::error::SceneError;
 use crate::file::scene::Scene;
 use crate::file::sections::{Material, Scheme};
 use crate::file::shape::ShapeSpec;
-use crate::output::frame::Format;
 
 /// Checks that this version can run the scene.
 ///
@@ -48,13 +47,6 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
     }
     if scene.numerics.scheme == Scheme::Paper {
         return refuse("numerics.scheme", "the scheme `paper`", "use scheme = \"meniscus\"");
-    }
-    let is_written = |format: &Format| *format == Format::Page || format.frame_writer().is_some();
-    if let Some(format) = scene.output.formats.iter().find(|format| !is_written(format)) {
-        let written: Vec<String> =
-            Format::ALL.iter().filter(|f| is_written(f)).map(|f| format!("\"{}\"", f.name())).collect();
-        let what = format!("output in the format `{}`", format.name());
-        return refuse("output.formats", &what, &format!("accepted: {}", written.join(", ")));
     }
     if scene.contact_line.neumann && !scene.solids.iter().any(|s| s.material.deforms()) {
         let error = SceneError::new("`neumann` needs a deformable solid, but no solid deforms");

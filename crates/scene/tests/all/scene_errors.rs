@@ -6,6 +6,7 @@ use meniscus_scene::build::AnySetup;
 use meniscus_scene::error::SceneError;
 use meniscus_scene::estimate::memory;
 use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
+use meniscus_scene::output::frame::Format;
 use std::path::Path;
 
 const GOOD: &str = r#"format = 1
@@ -217,12 +218,28 @@ fn what_cannot_run_yet() {
     let e = bad_text(&format!("{GOOD}{soft}"));
     assert!(e.message.contains("thin sheets"), "{e}");
     assert_eq!(e.line_column().map(|at| at.0), Some(27), "{}", e.render());
-    let e = bad_text(&format!("{GOOD}formats = [\"usd\"]\n"));
-    assert!(e.message.contains("`usd`"), "{e}");
     let e = bad_text(&format!("{GOOD}\n[numerics]\nscheme = \"paper\"\n"));
     assert_eq!(marked(&e), "\"paper\"");
     let e = bad_text(&format!("{GOOD}\n[contact_line]\nneumann = true\n"));
     assert!(e.message.contains("no solid deforms"), "{e}");
+}
+
+#[test]
+fn every_format_that_an_error_accepts_is_written() {
+    let e = bad_text(&format!("{GOOD}formats = [\"page\", \"udz\"]\n"));
+    assert_eq!(marked(&e), "\"udz\"", "{}", e.render());
+    let said = e.line();
+    for format in Format::ALL {
+        assert!(said.contains(format.name()), "{said} does not name {}", format.name());
+        assert!(format == Format::Page || format.frame_writer().is_some(), "{}", format.name());
+    }
+    let flat = GOOD
+        .replace("dimension = 3", "dimension = 2")
+        .replace("[\"3 mm\", \"3 mm\", \"3 mm\"]", "[\"3 mm\", \"3 mm\"]")
+        .replace("[\"1.5 mm\", \"1.5 mm\", \"1.5 mm\"]", "[\"1.5 mm\", \"1.5 mm\"]");
+    let e = bad_text(&format!("{flat}formats = [\"page\", \"vdb\"]\n"));
+    assert_eq!(marked(&e), "\"vdb\"");
+    assert!(e.line().contains("3 dimensions") && e.line().contains("vti"), "{e}");
 }
 
 #[test]

@@ -5,7 +5,10 @@
 use meniscus_scene::builtin::{self, BUILTINS};
 use meniscus_scene::error::SceneError;
 use meniscus_scene::estimate::check;
+use meniscus_scene::expect;
 use meniscus_scene::file::{LoadOptions, Quality, Scene, ensure_runnable};
+use meniscus_scene::output::summary::Summary;
+use meniscus_scene::output::time_series::TimeSeries;
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -215,6 +218,35 @@ fn the_whole_grammar_comes_back() {
     assert!((angles[0] - 30.0).abs() < 1e-9 && (angles[1] - 2f64.to_degrees()).abs() < 1e-9, "{angles:?}");
     assert!(report.render().contains("20.00 to 110.00 deg, patterned"), "{}", report.render());
     assert!(report.cannot_run.is_some());
+}
+
+#[test]
+fn every_expectation_has_a_name_at_its_place() {
+    let scene = read(FULL, &[]).unwrap();
+    let summary = serde_json::json!({
+        "scene": "", "version": "", "exit_reason": "", "dimension": 3, "resolution": 1, "cells": [], "dx": 1.0, "domain": [],
+        "threads": 1, "steps": 0, "frames": 0, "frame_interval": 1.0, "simulated_seconds": 0.0, "wall_seconds": 0.0,
+        "volume_error": 0.0, "max_divergence": 0.0, "max_speed": 0.0, "lost_volume": 0.0, "redone": 0, "phases": {},
+        "solves": {}, "peak_memory_bytes": 0, "drops": [], "solids": [],
+    });
+    let summary: Summary = serde_json::from_value(summary).unwrap();
+    let (names, verdicts) =
+        (expect::names(&scene.expect), expect::evaluate(&scene, &summary, &TimeSeries::default()));
+    let told: Vec<&str> = verdicts.iter().map(|verdict| verdict.quantity.as_str()).collect();
+    assert_eq!(names.len(), told.len(), "{names:?} {told:?}");
+    for (name, quantity) in [
+        ("volume_drift", "volume drift"),
+        ("repairs.unconverged", "repairs: unconverged"),
+        ("frequency", "frequency"),
+        ("drops", "drops"),
+        ("reach.top", "reach towards top"),
+        ("contact_angle.leaf", "contact angle on leaf"),
+        ("floats.leaf", "wetted share of leaf, which floats"),
+        ("sinks.stirrer", "wetted share of stirrer, which sinks"),
+    ] {
+        let place = names.iter().position(|n| n == name).unwrap_or_else(|| panic!("{name} in {names:?}"));
+        assert_eq!(told[place], quantity);
+    }
 }
 
 #[test]

@@ -59,6 +59,12 @@ impl Output {
             v.warn(path, message);
         }
         self.frame_interval = Some(interval);
+        if let Some(i) = self.formats.iter().position(|format| *format == Format::Vdb).filter(|_| v.dim == 2)
+        {
+            let message = "the format `vdb` is for scenes of 3 dimensions";
+            let help = "use \"vti\" for the fields of a scene of 2 dimensions";
+            return Err(v.error(&format!("output.formats.{i}"), message, help));
+        }
         self.formats.push(Format::Ply);
         self.formats.sort_unstable();
         self.formats.dedup();

@@ -11,7 +11,9 @@ mod writer;
 
 pub use content::{Attribute, Frame, FrameElements, FrameFields, FrameMesh, FrameParts};
 pub use extractor::{FrameExtractor, NotFinite, liquid_surface};
-pub use formats::{CsvWriter, Format, GlbWriter, ObjWriter, PlyWriter, VtiWriter, VtkWriter};
+pub use formats::{
+    CsvWriter, Format, GlbWriter, ObjWriter, PlyWriter, UsdWriter, VdbWriter, VtiWriter, VtkWriter,
+};
 pub use known::stored_wall_solid;
 pub use polylines::polylines;
 pub use writer::FrameWriter;

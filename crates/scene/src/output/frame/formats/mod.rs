@@ -4,6 +4,8 @@ mod csv;
 mod glb;
 mod obj;
 mod ply;
+mod usd;
+mod vdb;
 mod vtk;
 
 use super::FrameWriter;
@@ -15,10 +17,11 @@ pub use csv::CsvWriter;
 pub use glb::GlbWriter;
 pub use obj::ObjWriter;
 pub use ply::PlyWriter;
+pub use usd::UsdWriter;
+pub use vdb::VdbWriter;
 pub use vtk::{VtiWriter, VtkWriter};
 
-/// A format of the output (docs/formats.md). Formats that this version does not write can be read, so that the error names them;
-/// the schema omits them.
+/// A format of the output (docs/formats.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Format {
@@ -35,11 +38,9 @@ pub enum Format {
     Obj,
     /// Each frame as one binary glTF file, for slides and the web.
     Glb,
-    /// USD text.
-    #[schemars(skip)]
+    /// Each frame as USD text (`.usda`), with materials, and `run.usda`, which plays them all; for Houdini, Blender and `usdview`.
     Usd,
-    /// OpenVDB level sets.
-    #[schemars(skip)]
+    /// OpenVDB (`.vdb`), 3D only: the level set in a band around the surface, and the velocity; for Houdini, Blender and renderers.
     Vdb,
     /// The contact line of each frame as a table: position, angle, speed, force.
     Csv,
@@ -65,7 +66,7 @@ impl Format {
         }
     }
 
-    /// The writer; `None` for a format that is not made frame by frame, or not supported.
+    /// The writer; `None` for a format that is not made frame by frame.
     pub fn frame_writer(self) -> Option<Arc<dyn FrameWriter>> {
         match self {
             Self::Ply => Some(Arc::new(PlyWriter)),
@@ -73,9 +74,11 @@ impl Format {
             Self::Vti => Some(Arc::new(VtiWriter)),
             Self::Obj => Some(Arc::new(ObjWriter)),
             Self::Glb => Some(Arc::new(GlbWriter)),
+            Self::Usd => Some(Arc::new(UsdWriter)),
+            Self::Vdb => Some(Arc::new(VdbWriter)),
             Self::Csv => Some(Arc::new(CsvWriter)),
             // The page is made from the folder at the end of a run.
-            Self::Page | Self::Usd | Self::Vdb => None,
+            Self::Page => None,
         }
     }
 }
