@@ -219,8 +219,10 @@ fn what_cannot_run_yet() {
     assert_eq!(e.line_column().map(|at| at.0), Some(27), "{}", e.render());
     let e = bad_text(&format!("{GOOD}formats = [\"usd\"]\n"));
     assert!(e.message.contains("`usd`"), "{e}");
-    let e = bad_text(&format!("{GOOD}\n[numerics]\nscheme = \"paper\"\n"));
-    assert_eq!(marked(&e), "\"paper\"");
+    let paper = "\n[numerics]\nscheme = \"paper\"\n";
+    let e = bad_text(&format!("{GOOD}{SOLID}{paper}[contact_line]\nfriction = \"0.3 Pa s\"\n"));
+    assert!(e.message.contains("friction of contact lines with numerics.scheme"), "{e}");
+    assert_eq!(marked(&e), "\"0.3 Pa s\"");
     let e = bad_text(&format!("{GOOD}\n[contact_line]\nneumann = true\n"));
     assert!(e.message.contains("no solid deforms"), "{e}");
 }

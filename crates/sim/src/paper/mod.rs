@@ -15,5 +15,5 @@ pub mod solid;
 pub mod tensions;
 pub mod time;
 
-pub use errata::{Errata, LiquidMass};
+pub use errata::{Errata, LineImpulse, LiquidMass};
 pub use tensions::Tensions;
