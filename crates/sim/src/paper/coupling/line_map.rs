@@ -15,7 +15,7 @@
 //! nothing, and is counted.
 
 use super::sparse_matrix::{Entry, SparseMatrix};
-use crate::paper::fluid::cells::{CellTypes, Face, FaceType};
+use crate::paper::fluid::cells::{CellType, CellTypes, Face, FaceType};
 use crate::paper::{Errata, LineImpulse};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::FaceField;
@@ -80,22 +80,48 @@ impl<const D: usize> LineMap<D> {
     }
 }
 
-/// Adds the impulses of particles, N s (2D: N s/m), to the velocity of the liquid–air faces within a radius (m) of each, evenly along
-/// each axis, for faces of a mass (kg; 2D: kg/m). Returns the number of components without a face.
+/// Part of a face along the force of a particle below which the faces around it cannot take the force up.
+const MIN_FACES: f64 = 0.5;
+
+/// Adds the impulses of particles, N s (2D: N s/m), to the velocity of the liquid–air faces within a radius (m) of each, for faces of a mass
+/// (kg; 2D: kg/m): as a pressure `P w n`, with the normal `n` of each face out of the liquid and the weight `w = 1 − d/R` at the distance
+/// `d`, such that the sum has the component of the impulse along it. Returns what the sums have beside the impulses, N s, and the number
+/// of particles whose impulse reaches nothing.
+///
+/// Divided evenly by axes instead, the impulse drives a current around every step of the cells at the surface: at 90 degrees a drop on 32
+/// cells comes to rest at 97.
 pub fn push_faces<const D: usize>(
     types: &CellTypes<D>,
     [particles, impulses]: [&[Vector<D>]; 2],
     radius: f64,
     face_mass: f64,
     velocity: &mut FaceField<D>,
-) -> u64 {
+) -> (Vec<Vector<D>>, u64) {
     let liquid = IncidentFaces::new(types, types.faces_of(FaceType::LiquidAir), particles, radius);
-    let counts = liquid.counts::<D>(particles.len());
+    let mut sums = vec![Vector::<D>::zeros(); particles.len()];
+    let weighted = |face: &Face, c: usize| {
+        let is_liquid = types.sides(*face)[0].is_some_and(|cell| types.cell(cell) == CellType::Liquid);
+        let weight = 1.0 - (types.center(*face) - particles[c]).norm() / radius;
+        if is_liquid { weight } else { -weight }
+    };
     for (face, near) in liquid.faces.iter().zip(&liquid.particles) {
-        let of = |c: &u32| impulses[*c as usize][face.axis] / counts[*c as usize][face.axis] as f64;
+        near.iter().for_each(|c| sums[*c as usize][face.axis] += weighted(face, *c as usize));
+    }
+    let pressure = |(impulse, sum): (&Vector<D>, &Vector<D>)| {
+        let along = impulse.try_normalize(0.0).map_or(0.0, |direction| sum.dot(&direction));
+        (along.abs() >= MIN_FACES).then(|| impulse.norm() / along)
+    };
+    let pressures: Vec<Option<f64>> = impulses.iter().zip(&sums).map(pressure).collect();
+    for (face, near) in liquid.faces.iter().zip(&liquid.particles) {
+        let of = |c: &u32| pressures[*c as usize].unwrap_or(0.0) * weighted(face, *c as usize);
         velocity.axes[face.axis][face.index] += near.iter().map(of).sum::<f64>() / face_mass;
     }
-    counts.iter().flatten().filter(|count| **count == 0).count() as u64
+    let beside = |((impulse, sum), p): ((&Vector<D>, &Vector<D>), &Option<f64>)| {
+        p.map_or(-impulse, |p| sum * p - impulse)
+    };
+    let rest = impulses.iter().zip(&sums).zip(&pressures).map(beside).collect();
+    let lost = impulses.iter().zip(&pressures).filter(|(impulse, p)| p.is_none() && impulse.norm() > 0.0);
+    (rest, lost.count() as u64)
 }
 
 impl IncidentFaces {

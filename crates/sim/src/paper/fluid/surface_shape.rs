@@ -4,11 +4,10 @@
 //! x_φ = x − φ n,    κ(x_φ) by linear interpolation of the curvatures at the cells around
 //! ```
 //!
-//! Within solids the surface is continued without bend ([`super::continuation`]). A point of the surface nearer to a solid than two cells
+//! Within solids the surface is continued as it is above ([`super::continuation`]). A point of the surface nearer to a solid than two cells
 //! is moved along the surface away from it, so that no stencil reaches into the solid. Limit: the curvature does not vary over the last
 //! two cells.
 
-use super::continuation::SolidSide;
 use super::surface_tension::curvature;
 use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::{Matrix, Vector};
@@ -19,8 +18,13 @@ const CLEARANCE_CELLS: f64 = 2.0;
 const MAX_WAY_CELLS: f64 = 5.0;
 /// Distance from the surface, in cells, beyond which a moved point is given up: the surface is not as flat as that.
 const MAX_MISS_CELLS: f64 = 0.5;
+/// Length of the projection of a unit direction onto the surface below which it has no direction in it.
+const MIN_TANGENT: f64 = 1e-3;
 /// Projections of a point onto the surface.
 const PROJECTIONS: usize = 3;
+
+/// Signed distance to the nearest solid, m, negative inside, and its normal out of the solid.
+pub type SolidSide<'a, const D: usize> = &'a (dyn Fn(&Vector<D>) -> (f64, Vector<D>) + Sync);
 
 /// The liquid's surface, and the solids beside it.
 #[derive(Clone, Copy)]
@@ -37,7 +41,7 @@ impl<const D: usize> SurfaceShape<'_, D> {
     /// The level set and its gradient at a point (m), by differences of linear interpolants over a cell.
     fn value_and_normal(&self, x: &Vector<D>) -> (f64, Vector<D>) {
         let half = 0.5 * self.grid.dx;
-        let slope = Vector::from_fn(|a, _| {
+        let slope: Vector<D> = Vector::from_fn(|a, _| {
             let step: Vector<D> = Vector::from_fn(|b, _| if a == b { half } else { 0.0 });
             (self.phi.linear(&(x + step)) - self.phi.linear(&(x - step))) / (2.0 * half)
         });
@@ -63,7 +67,7 @@ impl<const D: usize> SurfaceShape<'_, D> {
             return at;
         }
         let along = away - normal * away.dot(&normal);
-        let Some(direction) = along.try_normalize(1e-3) else { return at };
+        let Some(direction) = along.try_normalize(MIN_TANGENT) else { return at };
         let way = (missing / along.norm()).min(MAX_WAY_CELLS * self.grid.dx);
         let moved = self.on_surface(&(at + direction * way)).0;
         let is_on_surface = self.phi.linear(&moved).abs() < MAX_MISS_CELLS * self.grid.dx;
@@ -97,10 +101,13 @@ impl<const D: usize> SurfaceShape<'_, D> {
     }
 
     /// Normal of the surface out of the liquid at the point closest to `x` (m), and the curvature, 1/m, of its section along a unit
-    /// tangent there, positive where it bends towards the liquid.
-    pub fn bend(&self, x: &Vector<D>, tangent: &Vector<D>) -> (Vector<D>, f64) {
+    /// direction projected onto it, positive where it bends towards the liquid.
+    pub fn bend(&self, x: &Vector<D>, direction: &Vector<D>) -> (Vector<D>, f64) {
         let (_, normal) = self.on_surface(x);
         let at = self.clear_point(x);
+        let across = self.value_and_normal(&at).1;
+        let along = direction - across * across.dot(direction);
+        let tangent = along.try_normalize(MIN_TANGENT).unwrap_or(Vector::zeros());
         let mut bend = 0.0;
         self.interpolate(
             &at,
@@ -109,6 +116,12 @@ impl<const D: usize> SurfaceShape<'_, D> {
         );
         let most = 1.0 / self.grid.dx;
         (normal, bend.clamp(-most, most))
+    }
+
+    /// Second derivative of the level set along a unit direction near a point (m), 1/m, from the bend of the surface.
+    pub fn second_derivative(&self, x: &Vector<D>, direction: &Vector<D>) -> f64 {
+        let normal = self.value_and_normal(x).1;
+        self.bend(x, direction).1 * (1.0 - normal.dot(direction).powi(2))
     }
 
     /// Second derivatives of the level set at a cell, 1/m, by central differences.

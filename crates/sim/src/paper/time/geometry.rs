@@ -6,9 +6,9 @@ use super::transport::redistanced;
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::paper::coupling::solid_map::{SolidMap, joined};
 use crate::paper::fluid::cells::{CellTypes, FaceType};
-use crate::paper::fluid::continuation::{SolidSide, continue_into_solids};
+use crate::paper::fluid::continuation::continue_into_solids;
 use crate::paper::fluid::fractions::{cell_fraction, closed_along_solids};
-use crate::paper::fluid::surface_shape::SurfaceShape;
+use crate::paper::fluid::surface_shape::{SolidSide, SurfaceShape};
 use crate::solid::{SolidState, SolidSurfaces, Solids};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Sampler};
@@ -104,9 +104,10 @@ impl<const D: usize> PaperScheme<D> {
         if model.solids.is_empty() {
             return redistanced(model, phi);
         }
+        let (side, limit) = (solid_side(solids), BAND_WIDTH_CELLS * model.grid.dx);
         let sampler = Sampler::cells(&model.grid, &phi.data, model.scalar_boundary());
-        let limit = BAND_WIDTH_CELLS * model.grid.dx;
-        redistanced(model, continue_into_solids(&phi, &sampler, &distance, &solid_side(solids), limit))
+        let shape = SurfaceShape { grid: &model.grid, phi: sampler, side: &side };
+        redistanced(model, continue_into_solids(&phi, &shape, &distance, limit))
     }
 
     /// Volume of the liquid of a state, m³ (2D: m²).

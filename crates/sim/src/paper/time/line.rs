@@ -59,12 +59,17 @@ impl<const D: usize> ContactLines<D> {
     /// forces that act on solids, and of the solids' own tensions.
     pub fn vertex_impulses(&self, dt: f64) -> Vec<f64> {
         let mut all: Vec<f64> = self.solid_tensions.iter().map(|f| f * dt).collect();
-        for (facet, force) in self.facets.iter().zip(&self.on_solids) {
+        self.add_to_vertices(&mut all, &self.on_solids, dt);
+        all
+    }
+
+    /// Adds vectors of the particles times a factor to the components of the vertices that carry them.
+    pub fn add_to_vertices(&self, components: &mut [f64], vectors: &[Vector<D>], factor: f64) {
+        for (facet, vector) in self.facets.iter().zip(vectors) {
             for ((v, weight), a) in facet.iter().flat_map(|corner| (0..D).map(move |a| (*corner, a))) {
-                all[v as usize * D + a] += weight * force[a] * dt;
+                components[v as usize * D + a] += weight * vector[a] * factor;
             }
         }
-        all
     }
 
     /// Velocities of the particles after a solve, m/s: those of their own unknowns, and of the solid's surface in components without.

@@ -25,7 +25,7 @@ use crate::paper::coupling::line_map::push_faces;
 use crate::paper::coupling::momentum::{solid_rows, with_line};
 use crate::paper::coupling::solids::SolidUnknowns;
 use crate::paper::fluid::cells::Face;
-use crate::paper::fluid::continuation::SolidSide;
+use crate::paper::fluid::surface_shape::SolidSide;
 use crate::paper::fluid::surface_tension::SurfaceTension;
 use crate::paper::solid::{explicit_velocities, set_prescribed_velocities};
 use crate::solid::SolidState;
@@ -89,7 +89,7 @@ impl<const D: usize> PaperScheme<D> {
         let (third, unreached) =
             self.final_solve(state, &after, moved.clone(), &forces, &mut velocity, dt)?;
         extend_velocity(&self.model, &after.phi, &mut velocity);
-        (state.velocity, state.phi) = (velocity, after.surface);
+        (state.velocity, state.phi) = (velocity, after.surface.clone());
         state.time += dt;
         Ok(PaperReport {
             solves: [first, second, third],
@@ -157,15 +157,16 @@ impl<const D: usize> PaperScheme<D> {
         let lines = forces.lines;
         let views = after.solids(self, &moved);
         let system = SolidSystem::new(views, &after.meshes, explicit_velocities(views, dt), dt);
+        let mut on_vertices = lines.vertex_impulses(dt);
         let unreached = match self.errata.free_faces {
-            true => Some(self.push_free_faces(lines, after, velocity, dt)),
+            true => Some(self.push_free_faces(lines, after, velocity, &mut on_vertices, dt)),
             false => None,
         };
         let liquid = self.liquid(after, velocity);
         let mut rows = solid_rows(&liquid, &after.map, &system.momentum());
         rows.push_faces(&forces.on_solids);
-        if !lines.solid_tensions.is_empty() {
-            rows.push_vertices(&system.embedding, &lines.vertex_impulses(dt));
+        if !on_vertices.is_empty() {
+            rows.push_vertices(&system.embedding, &on_vertices);
         }
         let (rows, own, unreached) = match unreached {
             Some(unreached) => (rows, vec![[None; D]; lines.positions.len()], unreached),
@@ -189,18 +190,22 @@ impl<const D: usize> PaperScheme<D> {
         Ok((report, unreached))
     }
 
-    /// The line's impulses on liquid–air faces that it does not own (E26).
+    /// The line's impulses on liquid–air faces that it does not own (E26); what they have beside the line's forces, the solids' vertices give.
     fn push_free_faces(
         &self,
         lines: &ContactLines<D>,
         after: &Geometry<D>,
         velocity: &mut FaceField<D>,
+        on_vertices: &mut [f64],
         dt: f64,
     ) -> u64 {
         let (grid, radius) = (&self.model.grid, self.radius_cells * self.model.grid.dx);
         let impulses: Vec<Vector<D>> = lines.forces.iter().map(|f| f * dt).collect();
         let mass = self.model.density * grid.cell_volume();
-        push_faces(&after.types, [&lines.positions, &impulses], radius, mass, velocity)
+        let (beside, unreached) =
+            push_faces(&after.types, [&lines.positions, &impulses], radius, mass, velocity);
+        lines.add_to_vertices(on_vertices, &beside, -1.0);
+        unreached
     }
 }
 

@@ -61,7 +61,7 @@ fn a_drop_in_free_fall_has_the_velocity_of_gravity() {
         let u = state.velocity.axes[axis][faces[axis]];
         assert!((u - exact[axis]).abs() < 1e-3, "{axis}: {u} {}", exact[axis]);
     }
-    let drift = scheme.volume(&state.phi) / state.target_volume - 1.0;
+    let drift = scheme.liquid_volume(&state) / state.target_volume - 1.0;
     assert!(drift.abs() < 2e-3, "{drift}");
 }
 
@@ -77,7 +77,7 @@ fn growth_of_width<const D: usize>(n: usize, steps: usize) -> [f64; 2] {
             }
         }
         let report = report.unwrap();
-        let volume = scheme.volume(&state.phi) / state.target_volume - 1.0;
+        let volume = scheme.liquid_volume(&state) / state.target_volume - 1.0;
         println!("{D}D, {degrees}: from {start:.4} to {:.4}, volume {volume:.1e}, {report:?}", reach(&state));
         assert!(report.particles >= 2 && report.degenerate == 0, "{report:?}");
         assert!(volume.abs() < 0.02, "{volume}");
@@ -114,17 +114,54 @@ struct Rest {
 
 /// From half a ball to rest in a time, s.
 fn rest(n: usize, degrees: f64, errata: Errata, time: f64) -> Rest {
-    let (mut scheme, mut state) = on_a_floor::<2>(n, degrees);
+    let (mut scheme, _) = on_a_floor::<2>(n, degrees);
     scheme.errata = errata;
-    scheme.model.kinematic_viscosity = 0.05;
-    state = scheme.start(&|x| (x - Vector::from([0.5, 0.26])).norm() - 0.22, &Vector::zeros());
+    let viscosity = std::env::var("PAPER_VISCOSITY").ok().and_then(|t| t.parse().ok());
+    scheme.model.kinematic_viscosity = viscosity.unwrap_or(0.15);
+    let young = degrees.to_radians();
+    let drop = (0.5 * std::f64::consts::PI * 0.22f64.powi(2) / (young - young.sin() * young.cos())).sqrt();
+    let (middle, radius) = match std::env::var("PAPER_START").is_ok() {
+        true => (Vector::from([0.5, 0.26 - drop * young.cos()]), drop),
+        false => (Vector::from([0.5, 0.26]), 0.22),
+    };
+    let mut state = scheme.start(&|x| (x - middle).norm() - radius, &Vector::zeros());
     let dt = DT * (32.0 / n as f64).powf(1.5);
     let steps = (time / dt).ceil() as usize;
     let show = std::env::var("PAPER_SHOW").is_ok();
     for step in 0..steps {
         let report = scheme.step(&mut state, dt).unwrap();
         if show && step % (steps / 20).max(1) == 0 {
-            println!("{:.3} {:?} {}", state.time, measure(&scheme, &state, degrees), report.particles);
+            println!("{:.3} {:.4?} {}", state.time, measure(&scheme, &state, degrees), report.particles);
+            let geometry = Geometry::new(&scheme, &state.solids, &state.phi);
+            let lines = scheme.contact_lines(&geometry, &state.solids);
+            for (x, f) in lines.positions.iter().zip(&lines.forces) {
+                println!("  line {:.4} {:.4} force {:.4} {:.4}", x[0], x[1], f[0], f[1]);
+            }
+            for axis in 0..2 {
+                let best = (0..state.velocity.axes[axis].len())
+                    .filter(|i| {
+                        matches!(
+                            geometry.types.face(Face { axis, index: *i }),
+                            FaceType::Liquid | FaceType::LiquidAir
+                        )
+                    })
+                    .max_by(|i, j| {
+                        state.velocity.axes[axis][*i].abs().total_cmp(&state.velocity.axes[axis][*j].abs())
+                    })
+                    .unwrap();
+                let at = geometry.types.center(Face { axis, index: best });
+                println!(
+                    "  axis {axis}: {:.4} at {:.3} {:.3}",
+                    state.velocity.axes[axis][best],
+                    at[0] * n as f64,
+                    at[1] * n as f64
+                );
+            }
+            if std::env::var("PAPER_MAP").is_ok() {
+                for row in state.phi.data.chunks(n).rev() {
+                    println!("{}", row.iter().map(|v| if *v < 0.0 { '#' } else { '.' }).collect::<String>());
+                }
+            }
         }
     }
     measure(&scheme, &state, degrees)
