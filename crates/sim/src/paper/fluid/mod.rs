@@ -2,6 +2,7 @@
 
 pub mod cells;
 pub mod continuation;
+pub mod curvature;
 pub mod fractions;
 pub mod interfaces;
 pub mod surface_shape;

@@ -8,7 +8,7 @@
 //! is moved along the surface away from it, so that no stencil reaches into the solid. Limit: the curvature does not vary over the last
 //! two cells.
 
-use super::surface_tension::curvature;
+use super::curvature::curvature;
 use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::{Matrix, Vector};
 

@@ -1,8 +1,9 @@
 use super::cells::{CellType, CellTypes, Face, FaceType};
+use super::curvature::curvature;
 use super::fractions::{closed_along_solids, liquid_mass, virtual_density};
 use super::interfaces::{Interface, interface_at};
 use super::surface_shape::SurfaceShape;
-use super::surface_tension::{BAND_CELLS, SurfaceTension, curvature, delta, heaviside};
+use super::surface_tension::{BAND_CELLS, SurfaceTension, delta, heaviside};
 use crate::model::Wall;
 use crate::paper::{Errata, Tensions};
 use meniscus_numerics::Vector;
