@@ -90,3 +90,55 @@ fn volumes<const D: usize>(state: &State<D>) -> [f64; 2] {
     let sum = |of: fn(&crate::state::Component<D>) -> f64| state.components.iter().map(of).sum();
     [sum(|c| c.target_volume), sum(|c| c.volume)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::stepper::{LiquidRegion, Simulation};
+    use crate::solid::{Solid, SolidKind};
+    use meniscus_numerics::Vector;
+    use meniscus_numerics::grid::Grid;
+    use meniscus_numerics::shape::Shape;
+
+    /// A drop that falls on a ball, fixed or free.
+    fn drop_on_ball(kind: SolidKind<2>) -> Simulation<2> {
+        let shape = Shape::Ball { center: Vector::from([0.49, 0.3]), radius: 0.15 };
+        let mut ball = Solid::new(shape, kind, 1.5);
+        ball.young_cosine = -0.3;
+        let mut model = Model::of_test(Grid::<2>::new([24; 2], 1.0 / 24.0), vec![ball]);
+        (model.numerics.scheme, model.kinematic_viscosity) = (Scheme::Paper, 0.02);
+        model.gravity = Vector::from([0.0, -1.0]);
+        let drop = |x: &Vector<2>| (x - Vector::from([0.5, 0.57])).norm() - 0.18;
+        let region = LiquidRegion { signed_distance: &drop, velocity: Vector::from([0.0, -0.5]) };
+        Simulation::new(model, &[region])
+    }
+
+    fn steps(simulation: &mut Simulation<2>, count: usize) {
+        for _ in 0..count {
+            let report = simulation.step(0.1, &mut |_| {}).unwrap();
+            assert!(report.dt <= stable_paper_dt(&simulation.model) && report.repairs.redone == 0);
+        }
+    }
+
+    #[test]
+    fn a_simulation_steps_with_the_scheme_resumes_with_the_same_bits_and_undoes_a_step() {
+        for kind in [SolidKind::Fixed, SolidKind::Rigid] {
+            let mut whole = drop_on_ball(kind);
+            let start = whole.diagnostics();
+            steps(&mut whole, 10);
+            let mut resumed = Simulation::resume(whole.model.clone(), whole.state.clone());
+            assert!(resumed.state == whole.state);
+            resumed.step_and_undo(0.1).unwrap();
+            assert!(resumed.state == whole.state);
+            steps(&mut whole, 10);
+            steps(&mut resumed, 10);
+            assert!(resumed.state == whole.state);
+            let end = whole.diagnostics();
+            println!("{:?}", [start.volume, end.volume, end.target_volume, end.volume_error, end.max_speed]);
+            assert!((end.target_volume / start.target_volume - 1.0).abs() < 1e-12);
+            assert!(end.volume_error.abs() < 0.01 && end.max_speed < 3.0);
+            let pressed = whole.state.pressure_impulse.data.iter().any(|p| *p > 0.0);
+            assert!(pressed && whole.state.velocity_lead == 0.0 && whole.state.step == 20);
+        }
+    }
+}
