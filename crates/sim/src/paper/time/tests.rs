@@ -92,6 +92,12 @@ fn a_drop_draws_together_on_a_hydrophobic_floor_and_spreads_on_a_hydrophilic_one
     assert!(narrow < 0.0 && wide > 0.0, "{wide} {narrow}");
 }
 
+#[test]
+fn a_drop_in_space_does_the_same() {
+    let [wide, narrow] = growth_of_width::<3>(20, 15);
+    assert!(narrow < 0.0 && wide > 0.0, "{wide} {narrow}");
+}
+
 /// A drop that has come to rest on a floor.
 #[derive(Debug)]
 struct Rest {
