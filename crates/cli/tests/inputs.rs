@@ -70,7 +70,7 @@ fn what_cannot_run_is_refused_before_the_first_step() {
     std::fs::write(place.path("solid.toml"), common::SCENE.to_string() + solid).unwrap();
     refused(&place, "run solid.toml", 3, &["thin sheets", "solid.toml"]);
     refused(&place, "run small.toml --set domain.resolution=16000", 3, &["memory"]);
-    refused(&place, "run small.toml --set numerics.scheme=paper", 3, &["paper"]);
+    refused(&place, "run small.toml --set numerics.scheme=printed", 3, &["printed", "paper"]);
     refused(&place, "run small.toml --quality paper", 3, &["paper"]);
     assert!(!place.path("out").exists());
 }

@@ -5,7 +5,9 @@ use super::shapes::{shape, signed_distance_fn};
 use super::thickness::pad_thin_solids;
 use crate::error::SceneError;
 use crate::estimate::parameters::parameters;
-use crate::file::{Bounds, Material, Scene, ShapeSpec, Solid as SolidSpec, Wall, builtin_name, vector};
+use crate::file::{
+    Bounds, Material, Scene, Scheme, ShapeSpec, Solid as SolidSpec, Wall, builtin_name, vector,
+};
 use crate::job::{ExistingRun, Job, Schedule, Stop};
 use crate::output::Folder;
 use crate::run::Observer;
@@ -234,7 +236,10 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
         gravity: vector(&scene.liquid.gravity),
         solids: Vec::new(),
         numerics: Numerics {
-            scheme: meniscus_sim::Scheme::Meniscus,
+            scheme: match n.scheme {
+                Scheme::Meniscus => meniscus_sim::Scheme::Meniscus,
+                Scheme::Paper => meniscus_sim::Scheme::Paper,
+            },
             cfl: n.cfl,
             capillary_step: n.capillary_step,
             max_step: n.max_step,

@@ -45,14 +45,39 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
             );
         }
     }
-    if scene.numerics.scheme == Scheme::Paper {
-        return refuse("numerics.scheme", "the scheme `paper`", "use scheme = \"meniscus\"");
+    if let Some((path, what)) = beyond_the_paper(scene) {
+        let help = "use numerics.scheme = \"meniscus\"";
+        return refuse(&path, &format!("{what} with numerics.scheme = \"paper\""), help);
     }
     if scene.contact_line.neumann && !scene.solids.iter().any(|s| s.material.deforms()) {
         let error = SceneError::new("`neumann` needs a deformable solid, but no solid deforms");
         return Err(scene.source.at_value(error.with_help("remove `neumann`"), "contact_line.neumann"));
     }
     Ok(())
+}
+
+/// What the scheme of the paper cannot do, if the scene has chosen it: the place, and its name.
+fn beyond_the_paper(scene: &Scene) -> Option<(String, &'static str)> {
+    if scene.numerics.scheme != Scheme::Paper {
+        return None;
+    }
+    let is_free = |m: &Material| matches!(m, Material::Rigid { fixed: false, .. });
+    for (i, solid) in scene.solids.iter().enumerate() {
+        let at = format!("solid.{i}.material");
+        if solid.material.deforms() {
+            return Some((at, "solids that deform"));
+        }
+        if is_free(&solid.material) && scene.solids.len() > 1 {
+            return Some((at, "contact between solids"));
+        }
+        if scene.contact_line.friction_on(&solid.name) > 0.0 {
+            return Some(("contact_line.friction".to_string(), "friction of contact lines"));
+        }
+    }
+    if scene.contact_line.hysteresis.is_some() {
+        return Some(("contact_line.hysteresis".to_string(), "hysteresis"));
+    }
+    scene.has_wetting_walls().then(|| ("domain.wall_contact_angle".to_string(), "sides that wet"))
 }
 
 /// Shapes supported for both liquid and solids.

@@ -218,8 +218,17 @@ fn what_cannot_run_yet() {
     let e = bad_text(&format!("{GOOD}{soft}"));
     assert!(e.message.contains("thin sheets"), "{e}");
     assert_eq!(e.line_column().map(|at| at.0), Some(27), "{}", e.render());
-    let e = bad_text(&format!("{GOOD}\n[numerics]\nscheme = \"paper\"\n"));
-    assert_eq!(marked(&e), "\"paper\"");
+    let paper = "
+[numerics]
+scheme = \"paper\"
+";
+    let e = bad_text(&format!(
+        "{GOOD}{SOLID}{paper}[contact_line]
+friction = \"0.3 Pa s\"
+"
+    ));
+    assert!(e.message.contains("friction of contact lines with numerics.scheme"), "{e}");
+    assert_eq!(marked(&e), "\"0.3 Pa s\"");
     let e = bad_text(&format!("{GOOD}\n[contact_line]\nneumann = true\n"));
     assert!(e.message.contains("no solid deforms"), "{e}");
 }

@@ -39,11 +39,13 @@ pub struct Model<const D: usize> {
     pub numerics: Numerics,
 }
 
-/// Scheme of a time step. A further one is an arm here and a function beside `step` in `simulation/step.rs`.
+/// Scheme of a time step. A further one is an arm here and a function beside `step`, as that of `simulation/paper_step.rs`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// Positions first, then one coupled solve for pressure and solids.
     Meniscus,
+    /// The seven steps of the paper, with its errata corrected ([`crate::paper`]).
+    Paper,
 }
 
 /// Parameters of the discretisation.

@@ -12,6 +12,13 @@ pub struct Tensions {
 }
 
 impl Tensions {
+    /// Tensions with the liquid's, N/m, and the cosine of a contact angle; the smaller one of the solid's is zero. On rigid solids only their
+    /// difference counts.
+    pub fn of_cosine(liquid_air: f64, cosine: f64) -> Self {
+        let difference = liquid_air * cosine;
+        Self { liquid_air, liquid_solid: (-difference).max(0.0), solid_air: difference.max(0.0) }
+    }
+
     /// Cosine of the contact angle, `(Υ_sa − Υ_ls)/Υ_la` (Eq. 5); beyond ±1 there is no angle.
     pub fn young_cosine(&self) -> f64 {
         (self.solid_air - self.liquid_solid) / self.liquid_air

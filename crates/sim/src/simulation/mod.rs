@@ -1,6 +1,7 @@
 //! A simulation: model and state, one step, and its report.
 
 pub mod diagnostics;
+pub mod paper_step;
 pub mod repairs;
 pub mod step;
 pub mod stepper;

@@ -4,6 +4,7 @@ use super::diagnostics::{
     Diagnostics, StepReport, diagnostics, energy_without_gravity, max_velocity_component, potential_energy,
     update_diagnostics,
 };
+use super::paper_step::{paper_step, stable_paper_dt};
 use super::repairs::Repairs;
 use super::step::{StepResult, step as meniscus_step};
 use super::transport::restore_signed_distance;
@@ -236,6 +237,7 @@ impl<const D: usize> Simulation<D> {
             let snapshot = Snapshot::take(&self.model, &mut self.state, &mut self.workspace);
             let step = match self.model.numerics.scheme {
                 Scheme::Meniscus => meniscus_step,
+                Scheme::Paper => paper_step,
             };
             let result = step(&self.model, &mut self.state, &mut self.workspace, dt, phase_end);
             let failure = match result.map(|result| (self.judge(&start, &result, dt), result)) {
@@ -300,7 +302,8 @@ impl<const D: usize> Simulation<D> {
         let doubtful = result.volume_error_cells > MAX_VOLUME_ERROR_CELLS
             || energy_gain > MAX_ENERGY_GROWTH * start.energy.abs() + self.negligible_energy(dt);
         let accept_below_dt = 1.5 * 0.5f64.powi(MAX_ACCURACY_HALVINGS as i32) * start.max_stable_dt;
-        match doubtful && dt >= accept_below_dt && model.numerics.fixed_step.is_none() {
+        let is_redone = model.numerics.fixed_step.is_none() && model.numerics.scheme == Scheme::Meniscus;
+        match doubtful && dt >= accept_below_dt && is_redone {
             true => Verdict::Doubtful,
             false => Verdict::Accepted { doubtful },
         }
@@ -325,7 +328,7 @@ impl<const D: usize> Simulation<D> {
         }
         let dt_at_rest = stable_dt(&self.model, 0.0);
         let deformation_dt = deformation_dt(&self.model, &self.state.solids);
-        let dt = stable_dt(&self.model, speed).min(deformation_dt);
+        let dt = stable_dt(&self.model, speed).min(deformation_dt).min(stable_paper_dt(&self.model));
         if dt_at_rest.is_finite() && dt < MIN_DT_RATIO * dt_at_rest {
             let reason = if dt == deformation_dt {
                 "a deformable solid deforms too fast for longer steps".to_string()

@@ -7,6 +7,7 @@ use crate::flow::pressure::PressureFields;
 use crate::free_surface::energy::DualGrid;
 use crate::model::Model;
 use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS};
+use crate::paper::time::scheme::PaperScheme;
 use crate::solid::{SolidKind, SolidState, SolidSurfaces, Solids};
 use crate::state::State;
 use meniscus_numerics::grid::{
@@ -74,6 +75,8 @@ pub struct Workspace<const D: usize> {
     pub initial_solid_areas: Vec<f64>,
     /// Repairs of the current step so far.
     pub repairs: Repairs,
+    /// What is fixed in the scheme of the paper, if that is the model's.
+    pub paper: Option<Arc<PaperScheme<D>>>,
 }
 
 impl<const D: usize> Workspace<D> {
@@ -96,6 +99,7 @@ impl<const D: usize> Workspace<D> {
             phi_before: CellField::new(grid, 0.0),
             initial_solid_areas: Vec::new(),
             repairs: Repairs::default(),
+            paper: PaperScheme::chosen_by(model),
         };
         workspace.place_solids(model, &start);
         workspace.initial_solid_areas = workspace.measure_surfaces(model);
@@ -408,6 +412,8 @@ pub struct Snapshot<const D: usize> {
     velocity: FaceValues<D>,
     /// The state with empty fields.
     rest: State<D>,
+    /// The whole state with the scheme of the paper, which changes φ beyond the band.
+    whole: Option<State<D>>,
 }
 
 type FaceValues<const D: usize> = [Vec<(usize, Vec<f64>)>; D];
@@ -426,15 +432,23 @@ impl<const D: usize> Snapshot<D> {
             };
             workspace.known_faces.liquid_faces()[a].par_iter().with_min_len(64).map(values).collect()
         });
+        let whole = workspace.paper.is_some().then(|| state.clone());
         let fields = state.take_fields();
         let rest = state.clone();
         state.put_fields(fields);
         let (tiles, liquid) = (workspace.tiles.clone(), workspace.liquid.clone());
-        Self { tiles, liquid, band_cells, phi, velocity, rest }
+        Self { tiles, liquid, band_cells, phi, velocity, rest, whole }
     }
 
     /// Restores the state and the workspace.
     pub fn restore(self, model: &Model<D>, state: &mut State<D>, workspace: &mut Workspace<D>) {
+        if let Some(whole) = self.whole {
+            *state = whole;
+            workspace.tiles = self.tiles;
+            workspace.update_solids(model, state);
+            workspace.find_liquid(model, state);
+            return workspace.rebuild_velocity_extension(model, state);
+        }
         let limit = BAND_WIDTH_CELLS * model.grid.dx;
         for &cell in &workspace.band.cells {
             let value = &mut state.phi.data[cell as usize];

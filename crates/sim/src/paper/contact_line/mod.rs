@@ -6,6 +6,7 @@
 //! mass.rs        Eq. 3 and the lumped mass
 //! plane_fit.rs   Algorithm 2
 //! forces.rs      the three tangential forces of Eq. 4
+//! solid_tension.rs  the tensions of the solid's own surface (E12)
 //! ```
 
 pub mod forces;
@@ -14,6 +15,7 @@ pub mod line_mesh;
 pub mod mass;
 pub mod plane_fit;
 pub mod repair;
+pub mod solid_tension;
 
 #[cfg(test)]
 mod tests;

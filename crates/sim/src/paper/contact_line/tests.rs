@@ -60,7 +60,7 @@ fn level_set<const D: usize>(
     phi: &(dyn Fn(&Vector<D>) -> f64 + Sync),
     dx: f64,
 ) -> Vec<f64> {
-    contact_line_level_set(mesh, &Geodesic::new(&mesh.positions, &mesh.facets), phi, dx)
+    contact_line_level_set(mesh, &Geodesic::new(&mesh.positions, &mesh.facets), phi, [dx, OFFSET_CELLS * dx])
 }
 
 /// A liquid up to the height `y` around a fixed ball: of dry points the nearest liquid is the line, on wetted ones φ has noise.
@@ -242,7 +242,7 @@ fn force_errors<const D: usize>(degrees: f64) -> [f64; 2] {
     let samples = InterfaceSamples::new(&types, &sampler, &surface, &phi_c);
     let tensions = Tensions { liquid_air: 2.0, liquid_solid: 0.3, solid_air: 0.3 + 2.0 * cosine };
     assert!((tensions.young_cosine() - cosine).abs() < 1e-15);
-    let (forces, degenerate) = samples.forces(&line, RADIUS_CELLS * grid.dx, &tensions);
+    let (forces, degenerate) = samples.forces(&line, RADIUS_CELLS * grid.dx, &|_| tensions, None);
     assert!(degenerate == 0 && (D == 2 || forces.len() > 30), "{degenerate}");
     let exact = [[-cosine, sine], [-1.0, 0.0], [1.0, 0.0]];
     let mut errors = [0.0f64; 2];
@@ -284,7 +284,7 @@ fn interfaces_with_too_few_samples_pull_at_nothing_and_are_counted() {
         solid_air: Vec::new(),
     };
     let tensions = Tensions { liquid_air: 2.0, liquid_solid: 0.3, solid_air: 1.0 };
-    let (forces, degenerate) = samples.forces(&line, 0.1, &tensions);
+    let (forces, degenerate) = samples.forces(&line, 0.1, &|_| tensions, None);
     assert_eq!(degenerate, 2);
     assert!((forces[0].force - Vector::from([-0.3, 0.0])).norm() < 1e-12);
 }

@@ -7,7 +7,11 @@
 //! ```
 //!
 //! `P` is [`LineMap::distribution`], `σ` [`LineMap::liquid_share`]. As printed `P = W_c`, `σ = 1`, and the masses are lumped (E6 to E8).
-//! Corrected, the sums of `σ` and of the columns of `P` are one, and `Σ M_c⁰ v_c*` arrives once.
+//! Corrected, the sums of `σ` and of the columns of `P` are one, and `Σ M_c⁰ v_c*` arrives once. With [`Errata::balanced_force`] the `M` of
+//! liquid–air faces is that of a whole cell, as in the equation of the pressure: else its gradient, which acts on a whole cell, and the force
+//! of Eq. 6, which acts on `M`, are out of balance (E24).
+//!
+//! Impulses that act on the solids themselves are added to their rows ([`MomentumRows::push_faces`], [`MomentumRows::push_vertices`]).
 //!
 //! Every face has one owner: liquid–solid faces move with the solids, liquid–air faces around the line with the line, and the equation
 //! of the pressure leaves both out of `∇·u*` and `∇²` (E20). A component of a particle without liquid–air faces is no unknown; it moves
@@ -35,6 +39,21 @@ pub struct MomentumRows {
     pub momentum: Vec<f64>,
     /// The values of unknowns that are given, m/s.
     pub prescribed: Vec<Option<f64>>,
+}
+
+impl MomentumRows {
+    /// Adds impulses on faces along their axes, N s (2D: N s/m), to the momenta of what moves with them; those on other faces do not count.
+    pub fn push_faces(&mut self, impulses: &[(Face, f64)]) {
+        for (face, impulse) in impulses {
+            let Ok(row) = self.owned.binary_search(face) else { continue };
+            self.map.row(row).iter().for_each(|(j, weight)| self.momentum[*j as usize] += weight * impulse);
+        }
+    }
+
+    /// Adds impulses on the components of the vertices of the solids' surfaces, N s (2D: N s/m), to the momenta of the solids.
+    pub fn push_vertices(&mut self, embedding: &SparseMatrix, impulses: &[f64]) {
+        add_transposed(&mut self.momentum, embedding, impulses);
+    }
 }
 
 /// The liquid before the solve.
@@ -101,6 +120,14 @@ impl<const D: usize> LineForces<'_, D> {
 }
 
 impl<const D: usize> Liquid<'_, D> {
+    /// Masses with which liquid–air faces move, kg (2D: kg/m).
+    fn masses_beside_air(&self, faces: &[Face]) -> Vec<f64> {
+        match self.errata.balanced_force {
+            true => vec![self.density * self.types.grid().cell_volume(); faces.len()],
+            false => self.masses(faces),
+        }
+    }
+
     /// Masses of the liquid in the dual cells of faces, kg (2D: kg/m).
     fn masses(&self, faces: &[Face]) -> Vec<f64> {
         faces.iter().map(|f| liquid_mass(&self.phi, self.types, self.density, *f)).collect()
@@ -180,7 +207,7 @@ pub fn with_line<const D: usize>(
         line.map.interpolation.row(i).iter().filter_map(entry).collect()
     };
     let line_rows = SparseMatrix::new(count, line.map.liquid_air.iter().enumerate().map(of_line));
-    let masses = liquid.masses(&line.map.liquid_air);
+    let masses = liquid.masses_beside_air(&line.map.liquid_air);
     add_transposed(&mut momentum, &line_rows, &liquid.momenta(&line.map.liquid_air, &masses));
     match form {
         LiquidMass::Consistent => entries.extend(line_rows.weighted_gram(&masses)),

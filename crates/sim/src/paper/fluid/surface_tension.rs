@@ -12,14 +12,27 @@
 //! With [`Errata::one_sided_delta`] the force and the implicit term are doubled in the liquid. In the air there is no force then; the
 //! implicit term is as printed, so that the velocity there, a continuation of the liquid's, does not hold the liquid back.
 //!
+//! With [`Errata::balanced_force`] (E24) `δ n` between two cells is the difference of their Heaviside functions, and `κ` that of the
+//! surface at the closest point ([`SurfaceShape`]):
+//!
+//! ```text
+//! −Υ κ δ n ≈ −Υ κ (H_upper − H_lower)/Δx,    H(φ) = ∫ δ dφ from −∞
+//! ```
+//!
+//! So the sum from within the liquid to the air is `Υ κ` wherever the surface lies between the cells, and a surface of one curvature is
+//! at rest: the force is the gradient of `−Υ κ H`. A solid in the band lacks the pressure `Υ κ H` of the liquid beside it, and gets it as an
+//! impulse ([`SurfaceTension::solid_impulses`]). Faces of solid cells are not diffused.
+//!
 //! Limit: the implicit term is a viscosity `Υ δ Δt/ρ` (E4).
 
-use super::cells::{CellTypes, Face, FaceType};
+use super::cells::{CellType, CellTypes, Face, FaceType};
+use super::curvature::curvature;
 use super::fractions::phi_at_face;
 use super::interfaces::{Interface, interface_at};
+use super::surface_shape::SurfaceShape;
 use crate::paper::{Errata, Tensions};
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::{FaceField, Grid, Lattice, Sampler};
+use meniscus_numerics::grid::{FaceField, Grid, Lattice};
 use meniscus_numerics::linalg::{
     Jacobi, LinearOperator, SolveError, SolveLimits, SolveReport, conjugate_gradient,
 };
@@ -36,39 +49,23 @@ pub fn delta(phi: f64, epsilon: f64) -> f64 {
     if phi.abs() < epsilon { 0.5 / epsilon * (1.0 + (PI * phi / epsilon).cos()) } else { 0.0 }
 }
 
-/// Curvature `∇·(∇φ/|∇φ|)`, 1/m, of the level set through the centre of a cell, by central differences; at most that of a ball with the
-/// radius of a cell, and zero where the gradient vanishes. The cell may lie beyond the grid by one.
-pub fn curvature<const D: usize>(phi: &Sampler<'_, D>, dx: f64, at: [isize; D]) -> f64 {
-    let value = |steps: [(usize, isize); 2]| {
-        let mut cell = at;
-        steps.iter().for_each(|(a, step)| cell[*a] += step);
-        phi.value(cell) / dx
-    };
-    let slope: Vector<D> = Vector::from_fn(|a, _| 0.5 * (value([(a, 1), (a, 0)]) - value([(a, -1), (a, 0)])));
-    let second = |a: usize, b: usize| {
-        if a == b {
-            return value([(a, 1), (a, 0)]) - 2.0 * phi.value(at) / dx + value([(a, -1), (a, 0)]);
-        }
-        let along = |i: isize| value([(a, i), (b, 1)]) - value([(a, i), (b, -1)]);
-        0.25 * (along(1) - along(-1))
-    };
-    let square = slope.norm_squared();
-    if square == 0.0 {
+/// The integral of the delta function up to `phi`, or with `one_sided` that of the delta function which is doubled in the liquid and zero in
+/// the air.
+pub fn heaviside(phi: f64, epsilon: f64, one_sided: bool) -> f64 {
+    let (place, sides) = (phi / epsilon, if one_sided { 1.0 } else { 0.5 });
+    if place <= -1.0 {
         return 0.0;
     }
-    let bent: f64 = (0..D).map(|a| (0..D).map(|b| slope[a] * second(a, b) * slope[b]).sum::<f64>()).sum();
-    let trace: f64 = (0..D).map(|a| second(a, a)).sum();
-    let most = (D - 1) as f64;
-    ((trace * square - bent) / (square * square.sqrt())).clamp(-most, most) / dx
+    (sides * (1.0 + place + (PI * place).sin() / PI)).min(1.0)
 }
 
 /// A step of Eq. 6.
 pub struct SurfaceTension<'a, const D: usize> {
     /// Types of the cells.
     pub types: &'a CellTypes<D>,
-    /// The level set of the liquid, m, closed along solids.
-    pub phi: Sampler<'a, D>,
-    /// The tensions; that of dry solids does not act here.
+    /// The liquid's surface, closed along solids, or continued into them ([`Errata::open_surface`]).
+    pub shape: SurfaceShape<'a, D>,
+    /// The tensions; that of dry solids does not act here, and with an open surface that of wetted ones neither.
     pub tensions: Tensions,
     /// Density of the liquid, kg/m³.
     pub density: f64,
@@ -103,9 +100,11 @@ impl<const D: usize> SurfaceTension<'_, D> {
         for (axis, report) in reports.iter_mut().enumerate() {
             let lattice = self.types.grid().face_lattice(axis);
             let (band, values) = (self.band(axis), &mut velocity.axes[axis]);
-            band.iter().for_each(|face| values[face.index] += face.explicit);
             let diffusing = |face: &BandFace| face.diffusion_cells > MIN_DIFFUSION_CELLS;
-            let system = BandDiffusion::new(lattice, band.into_iter().filter(diffusing).collect());
+            band.iter().for_each(|face| values[face.index] += face.explicit);
+            let diffusing = band.into_iter().filter(diffusing).collect();
+            let system =
+                BandDiffusion::new(lattice, diffusing, &|index| self.is_skipped(Face { axis, index }));
             let mut x: Vec<f64> = system.band.iter().map(|face| values[face.index]).collect();
             let preconditioner = Jacobi::new(&system.diagonal);
             *report =
@@ -122,9 +121,73 @@ impl<const D: usize> SurfaceTension<'_, D> {
         faces.filter_map(|index| self.band_face(Face { axis, index })).collect()
     }
 
+    /// Whether a face between two solid cells counts for none of its neighbours.
+    fn is_skipped(&self, face: Face) -> bool {
+        let is_solid = |c: &Option<usize>| c.is_none_or(|c| self.types.cell(c) == CellType::Solid);
+        self.errata.balanced_force && self.types.sides(face).iter().all(is_solid)
+    }
+
+    /// Impulses along the axis on the solids beside liquid–solid faces, N s (2D: N s/m): the pressure `Υ κ H` that the balanced force
+    /// keeps from them.
+    pub fn solid_impulses(&self) -> Vec<(Face, f64)> {
+        if !self.errata.balanced_force {
+            return Vec::new();
+        }
+        let (grid, epsilon) = (self.types.grid(), BAND_CELLS * self.types.grid().dx);
+        let of = |face: Face| {
+            let liquid_first =
+                self.types.sides(face)[0].is_some_and(|c| self.types.cell(c) == CellType::Liquid);
+            let [lower, upper] = self.phi_beside(face);
+            let (phi, sign) = if liquid_first { (lower, 1.0) } else { (upper, -1.0) };
+            let step = heaviside(phi, epsilon, self.errata.one_sided_delta);
+            let pressure =
+                || self.tensions.liquid_air * self.shape.curvature(&self.types.center(face)) * step;
+            (step > 0.0).then(|| (face, sign * pressure() * grid.face_area() * self.dt))
+        };
+        self.types.faces_of(FaceType::LiquidSolid).into_par_iter().filter_map(of).collect()
+    }
+
+    /// The level set in the cells below and above a face, m.
+    fn phi_beside(&self, face: Face) -> [f64; 2] {
+        let at = self.types.grid().face_lattice(face.axis).coordinates(face.index);
+        let upper = at.map(|i| i as isize);
+        let mut lower = upper;
+        lower[face.axis] -= 1;
+        [lower, upper].map(|cell| self.shape.phi.value(cell))
+    }
+
+    /// A face of the band with [`Errata::balanced_force`].
+    fn balanced_face(&self, face: Face) -> Option<BandFace> {
+        let (grid, epsilon) = (self.types.grid(), BAND_CELLS * self.types.grid().dx);
+        let sides = self.types.sides(face).map(|c| c.map_or(CellType::Air, |c| self.types.cell(c)));
+        if self.types.face(face) == FaceType::ClosedSide || sides.contains(&CellType::Solid) {
+            return None;
+        }
+        let one_sided = self.errata.one_sided_delta;
+        let [lower, upper] = self.phi_beside(face);
+        let phi = 0.5 * (lower + upper);
+        let jump = heaviside(upper, epsilon, one_sided) - heaviside(lower, epsilon, one_sided);
+        let delta = delta(phi, epsilon) * if one_sided && phi < 0.0 { 2.0 } else { 1.0 };
+        let acts = jump != 0.0 && sides.contains(&CellType::Liquid);
+        if !acts && delta == 0.0 {
+            return None;
+        }
+        let tension = self.tensions.liquid_air;
+        let curvature = if acts { self.shape.curvature(&self.types.center(face)) } else { 0.0 };
+        Some(BandFace {
+            index: face.index,
+            explicit: -tension * curvature * jump / grid.dx * self.dt / self.density,
+            diffusion_cells: tension.max(0.0) * delta * self.dt * self.dt
+                / (self.density * grid.dx * grid.dx),
+        })
+    }
+
     fn band_face(&self, face: Face) -> Option<BandFace> {
+        if self.errata.balanced_force {
+            return self.balanced_face(face);
+        }
         let (grid, axis) = (self.types.grid(), face.axis);
-        let (phi, differences) = phi_at_face(&self.phi, grid, face);
+        let (phi, differences) = phi_at_face(&self.shape.phi, grid, face);
         let delta = delta(phi, BAND_CELLS * grid.dx);
         if delta == 0.0 || self.types.face(face) == FaceType::ClosedSide {
             return None;
@@ -136,10 +199,9 @@ impl<const D: usize> SurfaceTension<'_, D> {
             (true, true) => [2.0, 2.0],
             (true, false) => [0.0, 1.0],
         };
-        let tension = match interface_at(self.types, &(self.types.center(face) - normal * phi)) {
-            Interface::LiquidAir => self.tensions.liquid_air,
-            Interface::LiquidSolid => self.tensions.liquid_solid,
-        };
+        let closest = || interface_at(self.types, &(self.types.center(face) - normal * phi));
+        let is_with_solid = !self.errata.open_surface && closest() == Interface::LiquidSolid;
+        let tension = if is_with_solid { self.tensions.liquid_solid } else { self.tensions.liquid_air };
         let force = -tension * delta * self.face_curvature(grid, face) * normal[axis];
         let diffusion = tension.max(0.0) * delta * self.dt * self.dt / self.density;
         Some(BandFace {
@@ -154,7 +216,7 @@ impl<const D: usize> SurfaceTension<'_, D> {
         let upper = grid.face_lattice(face.axis).coordinates(face.index).map(|i| i as isize);
         let mut lower = upper;
         lower[face.axis] -= 1;
-        0.5 * (curvature(&self.phi, grid.dx, lower) + curvature(&self.phi, grid.dx, upper))
+        [lower, upper].map(|cell| curvature(&self.shape.phi, grid.dx, cell)).iter().sum::<f64>() * 0.5
     }
 }
 
@@ -166,20 +228,28 @@ struct BandDiffusion<const D: usize> {
     /// For every face of the lattice 1 + its number in the band, or 0.
     slots: Vec<u32>,
     diagonal: Vec<f64>,
+    /// For every face of the lattice whether it counts for none of its neighbours.
+    skipped: Vec<bool>,
 }
 
 impl<const D: usize> BandDiffusion<D> {
-    fn new(lattice: Lattice<D>, band: Vec<BandFace>) -> Self {
+    fn new(lattice: Lattice<D>, band: Vec<BandFace>, skipped: &(dyn Fn(usize) -> bool + Sync)) -> Self {
         let mut slots = vec![0; lattice.len()];
         band.iter().enumerate().for_each(|(i, face)| slots[face.index] = i as u32 + 1);
-        let of = |face: &BandFace| 1.0 / face.diffusion_cells + lattice.neighbours(face.index).count() as f64;
-        let diagonal = band.iter().map(of).collect();
-        Self { lattice, band, slots, diagonal }
+        let skipped: Vec<bool> = (0..lattice.len()).into_par_iter().with_min_len(256).map(skipped).collect();
+        let mut system = Self { lattice, band, slots, diagonal: Vec::new(), skipped };
+        let of = |face: &BandFace| 1.0 / face.diffusion_cells + system.neighbours(face.index).count() as f64;
+        system.diagonal = system.band.iter().map(of).collect();
+        system
+    }
+
+    fn neighbours(&self, index: usize) -> impl Iterator<Item = usize> + '_ {
+        self.lattice.neighbours(index).filter(|n| !self.skipped[*n])
     }
 
     fn right_side(&self, values: &[f64]) -> Vec<f64> {
         let of = |face: &BandFace| {
-            let known = self.lattice.neighbours(face.index).filter(|n| self.slots[*n] == 0);
+            let known = self.neighbours(face.index).filter(|n| self.slots[*n] == 0);
             values[face.index] / face.diffusion_cells + known.map(|n| values[n]).sum::<f64>()
         };
         self.band.par_iter().with_min_len(256).map(of).collect()
@@ -193,7 +263,7 @@ impl<const D: usize> LinearOperator for BandDiffusion<D> {
 
     fn apply(&self, x: &[f64], y: &mut [f64]) {
         y.par_iter_mut().enumerate().with_min_len(256).for_each(|(i, y)| {
-            let slots = self.lattice.neighbours(self.band[i].index).map(|n| self.slots[n] as usize);
+            let slots = self.neighbours(self.band[i].index).map(|n| self.slots[n] as usize);
             let around: f64 = slots.filter(|slot| *slot > 0).map(|slot| x[slot - 1]).sum();
             *y = self.diagonal[i] * x[i] - around;
         });

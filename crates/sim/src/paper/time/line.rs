@@ -1,31 +1,39 @@
 //! Step 6: the contact line of a geometry, and its part of the last solve.
 
-use super::geometry::Geometry;
+use super::geometry::{Geometry, solid_side};
 use super::scheme::PaperScheme;
+use crate::contact_line::sampling::phi_at_solid;
+use crate::paper::LineImpulse;
 use crate::paper::contact_line::forces::InterfaceSamples;
-use crate::paper::contact_line::level_set::contact_line_level_set;
+use crate::paper::contact_line::level_set::{OFFSET_CELLS, contact_line_level_set};
 use crate::paper::contact_line::line_mesh::LineMesh;
 use crate::paper::contact_line::mass::{control_volume_mass, intrinsic_mass};
+use crate::paper::contact_line::solid_tension::tension_forces;
 use crate::paper::coupling::line_map::LineMap;
 use crate::paper::coupling::momentum::{LineForces, LineMomentum};
 use crate::paper::coupling::sparse_matrix::SparseMatrix;
 use crate::paper::fluid::fractions::virtual_density;
-use crate::solid::{SolidState, Solids};
+use crate::paper::fluid::surface_shape::SurfaceShape;
+use crate::solid::{SolidState, SolidView, Solids};
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
-use meniscus_numerics::mesh::Geodesic;
+use meniscus_numerics::mesh::{Geodesic, SurfaceMesh};
 
 /// The contact lines of all solids.
 #[derive(Clone, Debug, Default)]
 pub struct ContactLines<const D: usize> {
     /// Positions of the particles, m.
     pub positions: Vec<Vector<D>>,
-    /// Forces on them, N (2D: N/m).
+    /// Forces on them, N (2D: N/m); divided by directions, the parts that act on the liquid.
     pub forces: Vec<Vector<D>>,
+    /// The parts that act on the solids, N (2D: N/m); zero unless divided by directions.
+    pub on_solids: Vec<Vector<D>>,
     /// Their lengths, m (2D: 1).
     pub lengths: Vec<f64>,
     /// The vertices of their facets, counted over the surfaces of all solids, and their weights.
     pub facets: Vec<[(u32, f64); D]>,
+    /// Forces of the tensions of deformable solids on the components of the vertices of all surfaces, N (2D: N/m).
+    pub solid_tensions: Vec<f64>,
     /// Interfaces with too few samples.
     pub degenerate: u64,
 }
@@ -47,6 +55,23 @@ impl<const D: usize> LineSystem<D> {
 }
 
 impl<const D: usize> ContactLines<D> {
+    /// Impulses of a step of `dt` (s) on the components of the vertices of all surfaces, N s (2D: N s/m): of the parts of the particles'
+    /// forces that act on solids, and of the solids' own tensions.
+    pub fn vertex_impulses(&self, dt: f64) -> Vec<f64> {
+        let mut all: Vec<f64> = self.solid_tensions.iter().map(|f| f * dt).collect();
+        self.add_to_vertices(&mut all, &self.on_solids, dt);
+        all
+    }
+
+    /// Adds vectors of the particles times a factor to the components of the vertices that carry them.
+    pub fn add_to_vertices(&self, components: &mut [f64], vectors: &[Vector<D>], factor: f64) {
+        for (facet, vector) in self.facets.iter().zip(vectors) {
+            for ((v, weight), a) in facet.iter().flat_map(|corner| (0..D).map(move |a| (*corner, a))) {
+                components[v as usize * D + a] += weight * vector[a] * factor;
+            }
+        }
+    }
+
     /// Velocities of the particles after a solve, m/s: those of their own unknowns, and of the solid's surface in components without.
     pub fn velocities(
         &self,
@@ -66,27 +91,63 @@ impl<const D: usize> ContactLines<D> {
 }
 
 impl<const D: usize> PaperScheme<D> {
-    /// The contact lines of a geometry, and the forces on them.
-    pub(super) fn contact_lines(&self, geometry: &Geometry<D>) -> ContactLines<D> {
-        let (phi, dx) = (geometry.sampler(self), self.model.grid.dx);
-        let (mut all, mut first) = (ContactLines::default(), 0);
-        for mesh in &geometry.meshes {
-            let geodesic = Geodesic::new(&mesh.positions, &mesh.facets);
-            let phi_c = contact_line_level_set(mesh, &geodesic, &|x| phi.linear(x), dx);
-            let line = LineMesh::new(mesh, &phi_c);
-            let samples = InterfaceSamples::new(&geometry.types, &phi, mesh, &phi_c);
-            let (forces, degenerate) = samples.forces(&line, self.radius_cells * dx, &self.tensions);
-            all.degenerate += degenerate;
-            all.forces.extend(forces.iter().map(|f| f.force));
-            for p in &line.particles {
-                let corners = mesh.facets[p.facet as usize];
-                all.positions.push(p.at);
-                all.lengths.push(p.length);
-                all.facets.push(std::array::from_fn(|k| (first + corners[k], p.weights[k])));
-            }
+    /// The contact lines of a geometry of solids in these states, and the forces on them.
+    pub(super) fn contact_lines(&self, geometry: &Geometry<D>, states: &[SolidState<D>]) -> ContactLines<D> {
+        let solids = geometry.solids(self, states);
+        let side = solid_side(solids);
+        let shape = geometry.shape(self, &side);
+        let mut all = ContactLines::default();
+        let mut first = 0;
+        for (solid, mesh) in solids.iter().zip(&geometry.meshes) {
+            self.add_line(&mut all, solid, (mesh, first), geometry, &shape);
             first += mesh.positions.len() as u32;
         }
         all
+    }
+
+    /// Adds the line of a solid, whose surface's first vertex has a number over all solids.
+    fn add_line(
+        &self,
+        all: &mut ContactLines<D>,
+        solid: SolidView<'_, D>,
+        (mesh, first): (&SurfaceMesh<D>, u32),
+        geometry: &Geometry<D>,
+        shape: &SurfaceShape<'_, D>,
+    ) {
+        let (errata, dx) = (self.errata, self.model.grid.dx);
+        let normal = |x: &Vector<D>| (shape.side)(x).1;
+        let closed = geometry.sampler(self);
+        let phi = |x: &Vector<D>| match errata.exact_line {
+            true => phi_at_solid(&shape.phi, x, &normal(x), dx),
+            false => closed.linear(x),
+        };
+        let offset = if errata.exact_line { 0.0 } else { OFFSET_CELLS * dx };
+        let geodesic = Geodesic::new(&mesh.positions, &mesh.facets);
+        let phi_c = contact_line_level_set(mesh, &geodesic, &phi, [dx, offset]);
+        let line = LineMesh::new(mesh, &phi_c);
+        let samples = InterfaceSamples::new(&geometry.types, &shape.phi, mesh, &phi_c);
+        let tensions = |x: &Vector<D>| self.tensions_at(solid, x);
+        let at_line = errata.tangent_at_line.then_some(shape);
+        let (forces, degenerate) = samples.forces(&line, self.radius_cells * dx, &tensions, at_line);
+        all.degenerate += degenerate;
+        for (p, force) in line.particles.iter().zip(&forces) {
+            let by_directions = || force.by_directions(&normal(&p.at), p.length, &tensions(&p.at));
+            let [own, on_solid] = match errata.line_impulse {
+                LineImpulse::ByDirections => by_directions(),
+                _ => [force.force, Vector::zeros()],
+            };
+            let corners = mesh.facets[p.facet as usize];
+            all.positions.push(p.at);
+            all.lengths.push(p.length);
+            all.forces.push(own);
+            all.on_solids.push(on_solid);
+            all.facets.push(std::array::from_fn(|k| (first + corners[k], p.weights[k])));
+        }
+        let own = match errata.solid_tensions && solid.elastic().is_some() {
+            true => tension_forces(mesh, &phi_c, &tensions),
+            false => vec![Vector::zeros(); mesh.positions.len()],
+        };
+        all.solid_tensions.extend(own.iter().flat_map(|f| f.iter().copied().collect::<Vec<_>>()));
     }
 
     /// The line's part of the last solve, from the particles before, with positions, m, and velocities, m/s.

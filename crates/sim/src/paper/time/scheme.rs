@@ -1,23 +1,27 @@
 //! What is fixed in a run of the scheme.
 
-use crate::model::Model;
+use crate::model::{Model, Scheme};
 use crate::paper::contact_line::RADIUS_CELLS;
 use crate::paper::coupling::solver::{PAPER_LIMITS, Solver};
 use crate::paper::{Errata, Tensions};
 use meniscus_numerics::Vector;
 use meniscus_numerics::linalg::SolveLimits;
 use meniscus_numerics::mesh::{ShapeSurface, SurfaceMesh};
+use std::sync::Arc;
 
 /// Cells over the edges of the surfaces of rigid solids (Section 4.2: "1.5x in our experiments").
 const CELLS_PER_EDGE: f64 = 1.5;
 
-/// The scheme of the paper for a model, whose `surface_tension`, contact angles and `numerics` it does not use.
+/// Largest number of iterations of a solve over that of the model, which is meant for multigrid.
+const ITERATIONS_RATIO: usize = 20;
+
+/// The scheme of the paper for a model. Of its `numerics` it uses what [`Self::of_model`] does.
 #[derive(Clone, Debug)]
 pub struct PaperScheme<const D: usize> {
     /// Grid, sides, liquid, gravity and solids.
     pub model: Model<D>,
-    /// The tensions, of all solids the same.
-    pub tensions: Tensions,
+    /// The tensions, of all solids the same; `None` for those of the model's surface tension and contact angles.
+    pub tensions: Option<Tensions>,
     /// Errata.
     pub errata: Errata,
     /// The radius `R`, in cells.
@@ -35,8 +39,30 @@ pub struct PaperScheme<const D: usize> {
 }
 
 impl<const D: usize> PaperScheme<D> {
-    /// The scheme with the parameters of the paper and all errata corrected.
-    pub fn new(model: Model<D>, tensions: Tensions) -> Self {
+    /// The scheme of the paper, if it is the model's.
+    pub fn chosen_by(model: &Model<D>) -> Option<Arc<Self>> {
+        let is_chosen = model.numerics.scheme == Scheme::Paper;
+        is_chosen.then(|| Arc::new(Self::of_model(model.clone())))
+    }
+
+    /// The scheme that a model's parameters choose, with all errata corrected.
+    pub fn of_model(model: Model<D>) -> Self {
+        let numerics = model.numerics;
+        let radius_cells = numerics.line_radius / model.grid.dx;
+        let limits = SolveLimits {
+            tolerance: numerics.tolerance,
+            max_iterations: ITERATIONS_RATIO * numerics.max_iterations,
+        };
+        Self {
+            contact_line: numerics.contact_line,
+            radius_cells: if radius_cells > 0.0 { radius_cells } else { RADIUS_CELLS },
+            limits,
+            ..Self::new(model, None)
+        }
+    }
+
+    /// The scheme with the parameters of the paper and all errata corrected; for `tensions` see [`Self::tensions`].
+    pub fn new(model: Model<D>, tensions: Option<Tensions>) -> Self {
         let edge = model.grid.dx / CELLS_PER_EDGE;
         let [first, last] = model.grid.bounds();
         let surface = |solid: &crate::Solid<D>| {
@@ -62,5 +88,19 @@ impl<const D: usize> PaperScheme<D> {
             solver: Solver::ConjugateGradient,
             limits: PAPER_LIMITS,
         }
+    }
+
+    /// The tensions at a point (m) of a solid.
+    pub(super) fn tensions_at(&self, solid: crate::SolidView<'_, D>, x: &Vector<D>) -> Tensions {
+        let of_model = || {
+            let cosine = solid.young_cosine_near(x, self.model.grid.dx);
+            Tensions::of_cosine(self.model.surface_tension, cosine)
+        };
+        self.tensions.unwrap_or_else(of_model)
+    }
+
+    /// The tensions of Eq. 6; where solids differ, wetted ones have none there.
+    pub(super) fn fluid_tensions(&self) -> Tensions {
+        self.tensions.unwrap_or(Tensions::of_cosine(self.model.surface_tension, 0.0))
     }
 }

@@ -29,6 +29,17 @@ pub struct SolidSystem {
     is_prescribed: Vec<bool>,
 }
 
+/// The solution of a coupled system.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// The unknown velocities, m/s.
+    pub unknowns: Vec<f64>,
+    /// How the solver ended.
+    pub report: SolveReport,
+    /// Liquid cells, and the pressure times the length of the step there, Pa s.
+    pub pressure: Vec<(u32, f64)>,
+}
+
 impl SolidSystem {
     /// The system of solids with surfaces, m, and of the velocities of their nodes before the solve, for a step of `dt`, s.
     pub fn new<const D: usize>(
@@ -75,19 +86,21 @@ impl<const D: usize> PaperScheme<D> {
         }
     }
 
-    /// Solves Eq. 11 or 15 from `u*`, which becomes the velocity after the solve. Returns the unknown velocities.
+    /// Solves Eq. 11 or 15 from `u*`, which becomes the velocity after the solve.
     pub(super) fn solve(
         &self,
         geometry: &Geometry<D>,
         rows: &MomentumRows,
         velocity: &mut FaceField<D>,
         source: f64,
-    ) -> Result<(Vec<f64>, SolveReport), SolveError> {
+    ) -> Result<Solved, SolveError> {
         let mut system = CoupledSystem::new(&geometry.types, self.model.density, velocity, rows);
         system.add_source(source, self.model.grid.dx);
         let mut x = vec![0.0; system.right.len()];
         let report = self.solver.solve(&system, &mut x, self.limits)?;
-        Ok((system.apply(&geometry.types, rows, &x, velocity).to_vec(), report))
+        let unknowns = system.apply(&geometry.types, rows, &x, velocity).to_vec();
+        let pressure = system.pressure_impulses(&x, self.model.density, self.model.grid.dx);
+        Ok(Solved { unknowns, report, pressure: system.cells.into_iter().zip(pressure).collect() })
     }
 
     /// Step 3: projects a velocity beside solids that have moved from one geometry to another one in `dt`, s.
@@ -120,7 +133,7 @@ impl<const D: usize> PaperScheme<D> {
             prescribed: values.into_iter().map(Some).collect(),
         };
         let part = (missing / CORRECTION_STEPS).clamp(-MAX_CORRECTION, MAX_CORRECTION);
-        Ok(self.solve(after, &rows, velocity, part / dt)?.1)
+        Ok(self.solve(after, &rows, velocity, part / dt)?.report)
     }
 
     /// The part of the volume that is missing.

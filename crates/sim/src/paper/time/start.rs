@@ -3,7 +3,7 @@
 use super::geometry::Geometry;
 use super::scheme::PaperScheme;
 use super::state::PaperState;
-use super::transport::{extend_velocity, redistanced};
+use super::transport::extend_velocity;
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, FaceField};
@@ -23,12 +23,21 @@ impl<const D: usize> PaperScheme<D> {
             *value = signed_distance(&grid.center(lattice.coordinates(cell))).clamp(-limit, limit);
         });
         let solids = self.model.initial_solids();
-        let geometry = Geometry::new(self, &solids, &phi);
-        let phi = redistanced(&self.model, geometry.phi);
+        let phi = self.restored_surface(&solids, phi);
+        let closed = Geometry::new(self, &solids, &phi).phi;
         let mut field = FaceField::zeros(grid);
         field.axes.iter_mut().enumerate().for_each(|(axis, values)| values.fill(velocity[axis]));
-        extend_velocity(&self.model, &phi, &mut field);
-        let target_volume = self.volume(&phi);
-        PaperState { time: 0.0, phi, velocity: field, solids, line: Vec::new(), target_volume }
+        extend_velocity(&self.model, &closed, &mut field);
+        let target_volume = self.volume(&closed);
+        let pressure_impulse = CellField::new(grid, 0.0);
+        PaperState {
+            time: 0.0,
+            phi,
+            velocity: field,
+            solids,
+            line: Vec::new(),
+            pressure_impulse,
+            target_volume,
+        }
     }
 }

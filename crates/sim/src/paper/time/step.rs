@@ -15,16 +15,17 @@
 //!
 //! Limits: solids do not feel each other. The scheme damps vibrations (E21).
 
-use super::geometry::Geometry;
+use super::geometry::{Geometry, solid_side};
 use super::line::ContactLines;
 use super::scheme::PaperScheme;
-use super::solves::SolidSystem;
+use super::solves::{SolidSystem, Solved};
 use super::state::PaperState;
-use super::transport::{
-    add_viscosity_and_gravity, advect_level_set, advect_velocity, extend_velocity, redistanced,
-};
+use super::transport::{add_viscosity_and_gravity, advect_level_set, advect_velocity, extend_velocity};
+use crate::paper::coupling::line_map::push_faces;
 use crate::paper::coupling::momentum::{solid_rows, with_line};
 use crate::paper::coupling::solids::SolidUnknowns;
+use crate::paper::fluid::cells::Face;
+use crate::paper::fluid::surface_shape::SolidSide;
 use crate::paper::fluid::surface_tension::SurfaceTension;
 use crate::paper::solid::{explicit_velocities, set_prescribed_velocities};
 use crate::solid::SolidState;
@@ -61,27 +62,34 @@ impl<const D: usize> PaperScheme<D> {
         let (moved, first) = self.move_solids(state, &before, &solids, dt)?;
 
         // (3) The velocity of transport.
-        let between = Geometry::new(self, &moved, &before.phi);
+        let between = Geometry::new(self, &moved, &before.surface);
         let mut transport = state.velocity.clone();
         let missing = self.missing_volume(&before.phi, state.target_volume);
         let second = self.project_transport([&before, &between], &mut transport, missing, dt)?;
         extend_velocity(&self.model, &between.phi, &mut transport);
 
         // (4) The surface.
-        let phi = advect_level_set(&self.model, &between.phi, &transport, dt);
-        let phi = redistanced(&self.model, Geometry::new(self, &moved, &phi).phi);
-        let after = Geometry::new(self, &moved, &phi);
+        let phi = advect_level_set(&self.model, &between.surface, &transport, dt);
+        let after = Geometry::new(self, &moved, &self.restored_surface(&moved, phi));
 
         // (5) Velocities before the last solve.
         let mut velocity = advect_velocity(&self.model, &state.velocity, &transport, dt);
         add_viscosity_and_gravity(&self.model, &mut velocity, dt);
-        let surface_tension = self.surface_tension(&after, dt).apply(&mut velocity, self.limits)?;
+        let side = solid_side(after.solids(self, &moved));
+        let force = self.surface_tension(&after, &side, dt);
+        let surface_tension = force.apply(&mut velocity, self.limits)?;
+        let on_solids = force.solid_impulses();
 
         // (6) and (7) The contact line, and the velocities at the end.
-        let lines = if self.contact_line { self.contact_lines(&after) } else { ContactLines::default() };
-        let (third, unreached) = self.final_solve(state, &after, moved, &lines, &mut velocity, dt)?;
+        let lines = match self.contact_line {
+            true => self.contact_lines(&after, &moved),
+            false => ContactLines::default(),
+        };
+        let forces = SurfaceForces { lines: &lines, on_solids };
+        let (third, unreached) =
+            self.final_solve(state, &after, moved.clone(), &forces, &mut velocity, dt)?;
         extend_velocity(&self.model, &after.phi, &mut velocity);
-        (state.velocity, state.phi) = (velocity, after.phi);
+        (state.velocity, state.phi) = (velocity, after.surface.clone());
         state.time += dt;
         Ok(PaperReport {
             solves: [first, second, third],
@@ -106,7 +114,7 @@ impl<const D: usize> PaperScheme<D> {
         let views = before.solids(self, solids);
         let system = SolidSystem::new(views, &before.meshes, explicit_velocities(views, 0.5 * dt), 0.5 * dt);
         let rows = solid_rows(&self.liquid(before, &velocity), &before.map, &system.momentum());
-        let (unknowns, report) = self.solve(before, &rows, &mut velocity, 0.0)?;
+        let Solved { unknowns, report, .. } = self.solve(before, &rows, &mut velocity, 0.0)?;
         let nodes = SolidUnknowns::new(views).node_velocities(&unknowns);
         let mut moved = solids.to_vec();
         for ((solid, now), nodes) in self.model.solids.iter().zip(&mut moved).zip(&nodes) {
@@ -119,11 +127,16 @@ impl<const D: usize> PaperScheme<D> {
     }
 
     /// Eq. 6 at a geometry.
-    fn surface_tension<'a>(&'a self, geometry: &'a Geometry<D>, dt: f64) -> SurfaceTension<'a, D> {
+    fn surface_tension<'a>(
+        &'a self,
+        geometry: &'a Geometry<D>,
+        side: SolidSide<'a, D>,
+        dt: f64,
+    ) -> SurfaceTension<'a, D> {
         SurfaceTension {
             types: &geometry.types,
-            phi: geometry.sampler(self),
-            tensions: self.tensions,
+            shape: geometry.shape(self, side),
+            tensions: self.fluid_tensions(),
             density: self.model.density,
             dt,
             errata: self.errata,
@@ -137,17 +150,36 @@ impl<const D: usize> PaperScheme<D> {
         state: &mut PaperState<D>,
         after: &Geometry<D>,
         mut moved: Vec<SolidState<D>>,
-        lines: &ContactLines<D>,
+        forces: &SurfaceForces<'_, D>,
         velocity: &mut FaceField<D>,
         dt: f64,
     ) -> Result<(SolveReport, u64), SolveError> {
+        let lines = forces.lines;
         let views = after.solids(self, &moved);
         let system = SolidSystem::new(views, &after.meshes, explicit_velocities(views, dt), dt);
-        let line = self.line_system(lines, &state.line, after, &moved, dt);
+        let mut on_vertices = lines.vertex_impulses(dt);
+        let unreached = match self.errata.free_faces {
+            true => Some(self.push_free_faces(lines, after, velocity, &mut on_vertices, dt)),
+            false => None,
+        };
         let liquid = self.liquid(after, velocity);
-        let rows = solid_rows(&liquid, &after.map, &system.momentum());
-        let (rows, own) = with_line(rows, &liquid, &after.map, &system.embedding, &line.momentum());
-        let (unknowns, report) = self.solve(after, &rows, velocity, 0.0)?;
+        let mut rows = solid_rows(&liquid, &after.map, &system.momentum());
+        rows.push_faces(&forces.on_solids);
+        if !on_vertices.is_empty() {
+            rows.push_vertices(&system.embedding, &on_vertices);
+        }
+        let (rows, own, unreached) = match unreached {
+            Some(unreached) => (rows, vec![[None; D]; lines.positions.len()], unreached),
+            None => {
+                let line = self.line_system(lines, &state.line, after, &moved, dt);
+                let (rows, own) = with_line(rows, &liquid, &after.map, &system.embedding, &line.momentum());
+                (rows, own, line.map.unreached)
+            }
+        };
+        let Solved { unknowns, report, pressure } = self.solve(after, &rows, velocity, 0.0)?;
+        state.pressure_impulse.data.fill(0.0);
+        let cells = pressure.into_iter();
+        cells.for_each(|(c, p)| state.pressure_impulse.data[c as usize] = p / self.model.density);
         let velocities: Vec<Vector<D>> = lines.velocities(&own, &unknowns, &system.embedding);
         state.line = lines.positions.iter().zip(velocities).map(|(x, v)| [*x, v]).collect();
         let nodes = SolidUnknowns::new(views).node_velocities(&unknowns[..system.embedding.columns()]);
@@ -155,6 +187,32 @@ impl<const D: usize> PaperScheme<D> {
             solid.set_node_velocities(now, nodes);
         }
         state.solids = moved;
-        Ok((report, line.map.unreached))
+        Ok((report, unreached))
     }
+
+    /// The line's impulses on liquid–air faces that it does not own (E26); what they have beside the line's forces, the solids' vertices give.
+    fn push_free_faces(
+        &self,
+        lines: &ContactLines<D>,
+        after: &Geometry<D>,
+        velocity: &mut FaceField<D>,
+        on_vertices: &mut [f64],
+        dt: f64,
+    ) -> u64 {
+        let (grid, radius) = (&self.model.grid, self.radius_cells * self.model.grid.dx);
+        let impulses: Vec<Vector<D>> = lines.forces.iter().map(|f| f * dt).collect();
+        let mass = self.model.density * grid.cell_volume();
+        let (beside, unreached) =
+            push_faces(&after.types, [&lines.positions, &impulses], radius, mass, velocity);
+        lines.add_to_vertices(on_vertices, &beside, -1.0);
+        unreached
+    }
+}
+
+/// Forces of the surface beside those on the liquid.
+struct SurfaceForces<'a, const D: usize> {
+    /// The contact lines.
+    lines: &'a ContactLines<D>,
+    /// Impulses of Eq. 6 on solids ([`SurfaceTension::solid_impulses`]).
+    on_solids: Vec<(Face, f64)>,
 }

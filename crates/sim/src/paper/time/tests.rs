@@ -1,12 +1,17 @@
+use super::geometry::Geometry;
 use super::scheme::PaperScheme;
 use super::state::PaperState;
 use crate::model::Model;
 use crate::paper::coupling::solver::Solver;
+use crate::paper::fluid::cells::{Face, FaceType};
+use crate::paper::fluid::fractions::phi_at_face;
 use crate::paper::{Errata, Tensions};
 use crate::solid::{Solid, SolidKind};
 use meniscus_numerics::Vector;
-use meniscus_numerics::grid::Grid;
+use meniscus_numerics::fit::Sphere;
+use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::shape::Shape;
+use std::f64::consts::PI;
 
 const LIQUID_AIR: f64 = 1.0;
 /// Half of the explicit capillary limit on 32 cells.
@@ -29,7 +34,7 @@ fn floor<const D: usize>() -> Solid<D> {
 /// Half a ball of liquid on a floor.
 fn on_a_floor<const D: usize>(n: usize, degrees: f64) -> (PaperScheme<D>, PaperState<D>) {
     let grid = Grid::new([n; D], 1.0 / n as f64);
-    let scheme = PaperScheme::new(Model::of_test(grid, vec![floor()]), tensions(degrees));
+    let scheme = PaperScheme::new(Model::of_test(grid, vec![floor()]), Some(tensions(degrees)));
     let mut middle = Vector::<D>::repeat(0.5);
     middle[1] = 0.26;
     let state = scheme.start(&|x| (x - middle).norm() - 0.22, &Vector::zeros());
@@ -45,7 +50,7 @@ fn reach<const D: usize>(state: &PaperState<D>) -> f64 {
 fn a_drop_in_free_fall_has_the_velocity_of_gravity() {
     let mut model = Model::of_test(Grid::<2>::new([32; 2], 1.0 / 32.0), Vec::new());
     model.gravity = Vector::from([0.3, -2.0]);
-    let scheme = PaperScheme::new(model, NO_TENSIONS);
+    let scheme = PaperScheme::new(model, Some(NO_TENSIONS));
     let drop = |x: &Vector<2>| (x - Vector::from([0.5, 0.6])).norm() - 0.2;
     let mut state = scheme.start(&drop, &Vector::from([0.1, 0.0]));
     for _ in 0..40 {
@@ -57,7 +62,7 @@ fn a_drop_in_free_fall_has_the_velocity_of_gravity() {
         let u = state.velocity.axes[axis][faces[axis]];
         assert!((u - exact[axis]).abs() < 1e-3, "{axis}: {u} {}", exact[axis]);
     }
-    let drift = scheme.volume(&state.phi) / state.target_volume - 1.0;
+    let drift = scheme.liquid_volume(&state) / state.target_volume - 1.0;
     assert!(drift.abs() < 2e-3, "{drift}");
 }
 
@@ -73,25 +78,114 @@ fn growth_of_width<const D: usize>(n: usize, steps: usize) -> [f64; 2] {
             }
         }
         let report = report.unwrap();
-        let volume = scheme.volume(&state.phi) / state.target_volume - 1.0;
+        let volume = scheme.liquid_volume(&state) / state.target_volume - 1.0;
         println!("{D}D, {degrees}: from {start:.4} to {:.4}, volume {volume:.1e}, {report:?}", reach(&state));
-        assert!(report.particles >= 2 && report.degenerate == 0, "{report:?}");
+        assert!(report.particles >= 2, "{report:?}");
         assert!(volume.abs() < 0.02, "{volume}");
         reach(&state) - start
     })
 }
 
 #[test]
-fn a_drop_draws_together_on_a_hydrophobic_floor_and_far_less_on_a_hydrophilic_one() {
+fn a_drop_draws_together_on_a_hydrophobic_floor_and_spreads_on_a_hydrophilic_one() {
     let [wide, narrow] = growth_of_width::<2>(32, 60);
-    assert!(narrow < 0.0 && narrow < wide - 0.02, "{wide} {narrow}");
+    assert!(narrow < 0.0 && wide > 0.0, "{wide} {narrow}");
 }
 
 #[test]
-#[ignore = "it fails: the drop draws together (book/paper/scheme.md, What is wrong)"]
-fn a_drop_spreads_on_a_hydrophilic_floor() {
-    let [wide, _] = growth_of_width::<2>(32, 60);
-    assert!(wide > 0.0, "{wide}");
+fn a_drop_in_space_does_the_same() {
+    let [wide, narrow] = growth_of_width::<3>(20, 15);
+    assert!(narrow < 0.0 && wide > 0.0, "{wide} {narrow}");
+}
+
+/// A drop that has come to rest on a floor.
+#[derive(Debug)]
+struct Rest {
+    /// Angle of the circle through its surface more than 1.5 cells above the floor, degrees.
+    angle: f64,
+    /// Half the width of the line, over that of the drop of its volume with Young's angle.
+    width: f64,
+    /// Change of the volume.
+    volume: f64,
+    /// Largest velocity component of a face of the liquid, m/s.
+    speed: f64,
+}
+
+/// A viscous drop of the volume of half a ball of 0.22 on a floor, after a time (s) from a start with a given angle, degrees.
+fn rest(n: usize, [start, degrees]: [f64; 2], errata: Errata, time: f64) -> Rest {
+    let (mut scheme, _) = on_a_floor::<2>(n, degrees);
+    (scheme.errata, scheme.model.kinematic_viscosity) = (errata, 0.15);
+    let radius = drop_radius(0.5 * PI * 0.22f64.powi(2), start);
+    let middle = Vector::from([0.5, 0.26 - radius * start.to_radians().cos()]);
+    let mut state = scheme.start(&|x| (x - middle).norm() - radius, &Vector::zeros());
+    let dt = DT * (32.0 / n as f64).powf(1.5);
+    for _ in 0..(time / dt).ceil() as usize {
+        scheme.step(&mut state, dt).unwrap();
+    }
+    measure(&scheme, &state, degrees)
+}
+
+/// Radius of the circle of a drop of an area on a flat floor.
+fn drop_radius(area: f64, degrees: f64) -> f64 {
+    let angle = degrees.to_radians();
+    (area / (angle - angle.sin() * angle.cos())).sqrt()
+}
+
+fn measure(scheme: &PaperScheme<2>, state: &PaperState<2>, degrees: f64) -> Rest {
+    let geometry = Geometry::new(scheme, &state.solids, &state.phi);
+    let grid = &scheme.model.grid;
+    let phi = Sampler::cells(grid, &geometry.surface.data, scheme.model.scalar_boundary());
+    let closest = |face: &Face| {
+        let (value, slope) = phi_at_face(&phi, grid, *face);
+        geometry.types.center(*face) - Vector::from(slope).normalize() * value
+    };
+    let faces = geometry.types.faces_of(FaceType::LiquidAir);
+    let high = faces.iter().map(closest).filter(|x| x[1] > 0.26 + 1.5 * grid.dx);
+    let circle = Sphere::fit(&high.map(|x| (x, 1.0)).collect::<Vec<_>>()).unwrap();
+    let of = |kind| geometry.types.faces_of(kind).into_iter();
+    let moving = of(FaceType::Liquid).chain(of(FaceType::LiquidAir));
+    Rest {
+        angle: circle.angle_on_plane(&Vector::from([0.5, 0.26]), &Vector::from([0.0, 1.0])),
+        width: reach(state) / (drop_radius(state.target_volume, degrees) * degrees.to_radians().sin()),
+        volume: scheme.liquid_volume(state) / state.target_volume - 1.0,
+        speed: moving.map(|f| state.velocity.axes[f.axis][f.index].abs()).fold(0.0, f64::max),
+    }
+}
+
+#[test]
+fn drops_keep_youngs_angle() {
+    for degrees in [45.0, 60.0, 90.0, 120.0, 135.0] {
+        let rest = rest(32, [degrees; 2], Errata::CORRECTED, 0.15);
+        println!("{degrees}: {rest:.4?}");
+        assert!((rest.angle - degrees).abs() < 5.0 && (rest.width - 1.0).abs() < 0.05, "{degrees}: {rest:?}");
+        assert!(rest.volume.abs() < 2e-3 && rest.speed < 0.1, "{degrees}: {rest:?}");
+    }
+}
+
+/// `PAPER_CELLS`, `PAPER_ANGLES` (start/Young, comma), `PAPER_TIME` and `PAPER_ERRATA` choose what is measured.
+#[test]
+#[ignore = "a measurement"]
+fn angles_at_rest() {
+    let text = |name: &str, or: &str| std::env::var(name).unwrap_or(or.to_string());
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let mut errata = Errata::CORRECTED;
+    for name in text("PAPER_ERRATA", "").split(',') {
+        match name {
+            "printed" => errata = Errata::AS_PRINTED,
+            "first" => errata = Errata::FIRST,
+            "owned" => errata.free_faces = false,
+            "fit" => errata.tangent_at_line = false,
+            "offset" => errata.exact_line = false,
+            "sampled" => errata.balanced_force = false,
+            _ => {}
+        }
+    }
+    for pair in text("PAPER_ANGLES", "90/45,90/60,90/90,90/120,90/135").split(',') {
+        let angles = pair.split('/').map(number).collect::<Vec<_>>();
+        let cells = number(&text("PAPER_CELLS", "32")) as usize;
+        let rest = rest(cells, [angles[0], angles[1]], errata, number(&text("PAPER_TIME", "0.6")));
+        println!("{pair}: {rest:.4?}");
+    }
 }
 
 #[test]
@@ -118,7 +212,7 @@ fn a_free_ball_in_a_drop_falls_with_it_as_printed_and_corrected() {
         let mut model =
             Model::of_test(Grid::new([32; 2], 1.0 / 32.0), vec![Solid::new(shape, SolidKind::Rigid, 1.0)]);
         model.gravity = Vector::from([0.0, -2.0]);
-        let mut scheme = PaperScheme::new(model, NO_TENSIONS);
+        let mut scheme = PaperScheme::new(model, Some(NO_TENSIONS));
         scheme.errata = errata;
         let mut state = scheme.start(&|x| (x - Vector::from([0.5, 0.55])).norm() - 0.2, &Vector::zeros());
         for _ in 0..20 {
@@ -129,5 +223,46 @@ fn a_free_ball_in_a_drop_falls_with_it_as_printed_and_corrected() {
         println!("{errata:?}: {} {}", ball.velocity, ball.center);
         assert!((ball.velocity - Vector::from([0.0, -0.04])).norm() < 2e-3, "{}", ball.velocity);
         assert!((ball.center - Vector::from([0.5, 0.72 - 0.0004])).norm() < 1e-4, "{}", ball.center);
+    }
+}
+
+/// A free ball of the liquid's density at the surface of a drop that meets it at 90 degrees: circles (spheres) that cross at right angles,
+/// at rest. Its largest speed in a time, s, along the axis.
+fn ball_at_rest<const D: usize>(n: usize, errata: Errata, time: f64) -> [f64; 2] {
+    let (radius, drop, dt) = (0.12, 0.22, DT * (32.0 / n as f64).powf(1.5));
+    let (mut below, mut above) = (Vector::<D>::repeat(0.503), Vector::<D>::repeat(0.503));
+    (below[1], above[1]) = (0.4, 0.4 + f64::hypot(radius, drop));
+    let ball = Solid::new(Shape::Ball { center: above, radius }, SolidKind::Rigid, 1.0);
+    let mut scheme =
+        PaperScheme::new(Model::of_test(Grid::new([n; D], 1.0 / n as f64), vec![ball]), Some(tensions(90.0)));
+    scheme.errata = errata;
+    scheme.model.kinematic_viscosity = 0.05;
+    let mut state = scheme.start(&|x| (x - below).norm() - drop, &Vector::zeros());
+    let (mut first, mut most) = (0.0, 0.0f64);
+    for step in 0..(time / dt).ceil() as usize {
+        scheme.step(&mut state, dt).unwrap();
+        let speed = state.solids[0].as_rigid().velocity.norm();
+        most = most.max(speed);
+        if step == 0 {
+            first = speed / dt;
+        }
+    }
+    println!("{D}D, {n}: first acceleration {first:.3}, velocity {}", state.solids[0].as_rigid().velocity);
+    [first, most]
+}
+
+#[test]
+fn a_free_ball_in_balance_with_a_drop_stays_nearly_at_rest() {
+    let [_, speed] = ball_at_rest::<2>(32, Errata::CORRECTED, 0.01);
+    assert!(speed < 0.06, "{speed}");
+}
+
+#[test]
+#[ignore = "a measurement"]
+fn free_balls_at_rest() {
+    for errata in [Errata::FIRST, Errata::CORRECTED] {
+        for n in [32, 64] {
+            println!("{n}: {:.4?}", ball_at_rest::<2>(n, errata, 0.02));
+        }
     }
 }
