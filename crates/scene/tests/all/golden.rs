@@ -21,14 +21,13 @@ const STEPS: u64 = 20;
 /// other last bits may reach an iteration earlier.
 const NEAR: f64 = 1e-5;
 
-const SCENES: [&str; 16] = [
+const SCENES: [&str; 15] = [
     "2d/collisions",
     "2d/free",
     "2d/hysteresis",
     "2d/liquid",
     "2d/neo-hookean",
     "2d/open-sides",
-    "2d/paper",
     "2d/pattern",
     "2d/prescribed",
     "2d/springs",
