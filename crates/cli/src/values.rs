@@ -64,6 +64,13 @@ pub fn picture_size(text: &str) -> Result<(u32, u32), String> {
     Ok((side(w)?, side(h)?))
 }
 
+/// `0.01,0,2e-3` → [0.01, 0.0, 0.002], a point in metres.
+pub fn picture_target(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let point = numbers.filter(|n| n.iter().all(|x| x.is_finite())).and_then(|n| n.try_into().ok());
+    point.ok_or_else(|| "expected three coordinates in metres, such as 0.01,0,0.002".to_owned())
+}
+
 /// A format to which stored frames can be converted.
 pub fn export_format(text: &str) -> Result<Format, String> {
     let has_surfaces = |f: &Format| f.frame_writer().is_some_and(|writer| !writer.parts().fields);
@@ -106,6 +113,8 @@ mod tests {
         assert!(frame_range("7:3").is_err() && frame_range("7").is_err());
         assert_eq!(picture_size("640x360"), Ok((640, 360)));
         assert!(picture_size("0x360").is_err());
+        assert_eq!(picture_target("0.01, -1, 2e-3"), Ok([0.01, -1.0, 0.002]));
+        assert!(picture_target("0.01,0").is_err() && picture_target("0,0,inf").is_err());
         assert_eq!((picture_range("7"), picture_range("3:7")), (Ok((7, 7)), Ok((3, 7))));
         assert_eq!((scale_factor("1e3"), export_format("vtk")), (Ok(1000.0), Ok(Format::Vtk)));
         assert!(["0", "-1", "inf", "nan", "1 m"].iter().all(|s| scale_factor(s).is_err()));

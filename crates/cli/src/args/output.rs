@@ -1,6 +1,6 @@
 //! Arguments of the commands that read the output of a run.
 
-use crate::values::{export_format, hex_color, picture_range, picture_size, scale_factor};
+use crate::values::{export_format, hex_color, picture_range, picture_size, picture_target, scale_factor};
 use clap::{Args, ValueEnum};
 use meniscus_scene::output::frame::Format;
 use std::path::PathBuf;
@@ -85,10 +85,13 @@ pub struct RenderArgs {
     /// overwritten are removed.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// 3D: position of the camera relative to the centre of the scene: azimuth (0 looks along +y, 90 along -x) and elevation in
+    /// 3D: position of the camera relative to the centre of the scene, or to the target: azimuth (0 looks along +y, 90 along -x) and elevation in
     /// degrees, and optionally the distance in metres. Without a distance everything fits into the picture. [default: 25,17]
     #[arg(long, value_name = "AZIMUTH,ELEVATION[,DISTANCE]", allow_hyphen_values = true)]
     pub camera: Option<String>,
+    /// 3D: point in the middle of the picture, in metres. Default: the centre of what is shown.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = picture_target)]
+    pub target: Option<[f64; 3]>,
     /// 3D: appearance of the liquid: glass (clear) or matte (opaque). [default: glass]
     #[arg(long, value_name = "STYLE")]
     pub style: Option<String>,

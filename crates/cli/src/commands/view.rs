@@ -18,7 +18,7 @@ const MIN_FILLED_SHARE: f64 = 0.05;
 pub fn render(args: &RenderArgs) -> Result {
     let options = RenderOptions {
         size: args.size.into(),
-        camera: args.camera.as_deref().map(camera).transpose()?,
+        camera: camera(args)?,
         style: args.style.as_deref().map_or(Ok(Style::default()), style)?,
         shade: args.color.as_deref().map_or(Ok(ColorBy::default()), shade)?,
         every: args.every.max(1) as usize,
@@ -35,10 +35,10 @@ pub fn render(args: &RenderArgs) -> Result {
         ..RenderOptions::default()
     };
     let rendered = pictures(&args.dir, &options, false)?;
-    if rendered.filled_share < MIN_FILLED_SHARE && args.camera.is_some() {
+    if rendered.filled_share < MIN_FILLED_SHARE && options.camera.is_some() {
         let part = 100.0 * rendered.filled_share;
         eprintln!(
-            "warning: the liquid and the solids fill {part:.2} % of the picture; --camera may be too far away"
+            "warning: the liquid and the solids fill {part:.2} % of the picture; the camera may be too far away or look elsewhere"
         );
     }
     print(&describe(&rendered))?;
@@ -57,14 +57,23 @@ fn frame(number: u64) -> u32 {
     u32::try_from(number).unwrap_or(u32::MAX)
 }
 
+/// The camera of `--camera` and `--target`, if one of them is given.
+fn camera(args: &RenderArgs) -> Result<Option<Camera>> {
+    let placed = args.camera.as_deref().map(camera_position).transpose()?;
+    if placed.is_none() && args.target.is_none() {
+        return Ok(None);
+    }
+    Ok(Some(Camera { target: args.target, ..placed.unwrap_or_default() }))
+}
+
 /// Parses `azimuth,elevation` in degrees, with an optional distance in metres.
-fn camera(text: &str) -> Result<Camera> {
+fn camera_position(text: &str) -> Result<Camera> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     let numbers = numbers.filter(|n| n.iter().all(|x| x.is_finite())).unwrap_or_default();
     match numbers[..] {
         [azimuth, elevation] => Ok(Camera { azimuth, elevation, ..Camera::default() }),
         [azimuth, elevation, distance] if distance > 0.0 => {
-            Ok(Camera { azimuth, elevation, distance: Some(distance) })
+            Ok(Camera { azimuth, elevation, distance: Some(distance), ..Camera::default() })
         }
         _ => Err(Failure::new(USAGE, format!("`{text}` is not a camera position")).help(
             "give azimuth,elevation in degrees, and optionally the distance in metres: 30,15 or 30,15,0.4",

@@ -13,11 +13,13 @@ pub struct Camera {
     pub elevation: f64,
     /// Distance to the centre, m; `None` fits the visible bounds into the picture.
     pub distance: Option<f64>,
+    /// The point in the centre of the picture, m; `None` is the centre of the visible bounds.
+    pub target: Option<[f64; 3]>,
 }
 
 impl Default for Camera {
     fn default() -> Self {
-        Self { azimuth: 25.0, elevation: 17.0, distance: None }
+        Self { azimuth: 25.0, elevation: 17.0, distance: None, target: None }
     }
 }
 
@@ -25,6 +27,8 @@ impl Default for Camera {
 const HALF_FOV_TANGENT: f64 = 0.24;
 /// Share of the picture's width and height that the visible bounds fill.
 const FILLED_SHARE: f64 = 0.74;
+/// Distance of the centre of the scene from that of the picture, in half heights of the picture.
+const LOWERED_SHARE: f64 = 0.03;
 
 /// A camera for one picture size.
 #[derive(Clone, Copy, Debug)]
@@ -38,15 +42,22 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// A view of the bounds `visible`. All lengths are in picture coordinates, in which 1 is `unit` metres.
-    pub(crate) fn new(camera: &Camera, visible: &Bounds, unit: f64, size: ImageSize) -> Self {
+    /// A view of the bounds `visible`, around the point `target` if it is given. All lengths are in picture coordinates, in which 1 is
+    /// `unit` metres.
+    pub(crate) fn new(
+        camera: &Camera,
+        target: Option<V3>,
+        visible: &Bounds,
+        unit: f64,
+        size: ImageSize,
+    ) -> Self {
         let (az, el) = (camera.azimuth.to_radians(), camera.elevation.clamp(-89.0, 89.0).to_radians());
         let forward = V3::new(-az.sin() * el.cos(), az.cos() * el.cos(), -el.sin());
         let right = V3::new(az.cos(), az.sin(), 0.0);
         let up = right.cross(&forward);
         let size = [size.width, size.height].map(|n| f64::from(n.max(1)));
         let half = [HALF_FOV_TANGENT * size[0] / size[1], HALF_FOV_TANGENT];
-        let mut target = visible.center();
+        let center = target.unwrap_or_else(|| visible.center());
         let fit = |target: &V3| {
             corners(visible).iter().fold(1e-6f64, |far, p| {
                 let q = p - target;
@@ -54,9 +65,10 @@ impl View {
                 far.max(x / (half[0] * FILLED_SHARE) - depth).max(y / (half[1] * FILLED_SHARE) - depth)
             })
         };
-        let distance = camera.distance.map_or_else(|| fit(&target), |d| d / unit);
-        target -= up * (0.03 * distance * HALF_FOV_TANGENT);
-        Self { eye: target - forward * distance, forward, right, up, half, size }
+        let distance = camera.distance.map_or_else(|| fit(&center), |d| d / unit);
+        // The scene stands a little above the middle, unless that is a point of the user's choice.
+        let lowered = if target.is_some() { 0.0 } else { LOWERED_SHARE * distance * HALF_FOV_TANGENT };
+        Self { eye: center - up * lowered - forward * distance, forward, right, up, half, size }
     }
 
     /// Width and height of the picture in pixels.

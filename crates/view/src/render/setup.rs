@@ -112,7 +112,8 @@ impl RenderSetup {
         let lines = |a: usize| -((origin[a] / grid).fract() * grid) / unit;
         let camera = options.camera.unwrap_or_default();
         let in_picture = Bounds { lower: to_picture(seen.lower), upper: to_picture(seen.upper) };
-        let view = View::new(&camera, &in_picture, unit, options.size);
+        let target = camera.target.map(|at| to_picture(V3::from(at)));
+        let view = View::new(&camera, target, &in_picture, unit, options.size);
         Ok(Self {
             unit,
             origin,

@@ -104,6 +104,14 @@ fn cameras_that_show_nothing_are_refused() {
     let filled = |distance| render(&dir, &camera(distance), |_, _| ()).map(|made| made.filled_share);
     let (near, far) = (filled(0.3).unwrap(), filled(30.0).unwrap());
     assert!(near > 0.1 && far < 0.01, "{near} {far}");
+    // The same from a target beside the drop, and from one that leaves it out of the picture.
+    let beside = |x: f64| {
+        let mut options = camera(0.3);
+        options.camera = options.camera.map(|c| Camera { target: Some([x, 0.0, 0.0]), ..c });
+        render(&dir, &options, |_, _| ()).map(|made| made.filled_share)
+    };
+    assert!(beside(0.05).unwrap() > 0.1);
+    assert!(beside(5.0).unwrap_err().to_string().contains("would be empty"));
     // What is dressed down has no floor, no lines, and the background that was asked for.
     let mut plain = RenderOptions { samples: 1, ..small() };
     plain.appearance.floor = false;
