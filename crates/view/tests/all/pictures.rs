@@ -107,7 +107,7 @@ fn cameras_that_show_nothing_are_refused() {
     // The same from a target beside the drop, and from one that leaves it out of the picture.
     let beside = |x: f64| {
         let mut options = camera(0.3);
-        options.camera = options.camera.map(|c| Camera { target: Some([x, 0.0, 0.0]), ..c });
+        options.camera = options.camera.map(|c| Camera { target: Some([x, 0.05, 0.03]), ..c });
         render(&dir, &options, |_, _| ()).map(|made| made.filled_share)
     };
     assert!(beside(0.05).unwrap() > 0.1);
