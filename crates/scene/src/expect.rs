@@ -11,7 +11,8 @@ const FULLY_WETTED_SHARE: f64 = 0.98;
 /// Ratio of the liquid's force to the contact force on a solid, above which the liquid carries it.
 const FLOATING_FORCE_RATIO: f64 = 10.0;
 
-/// Deviation of a tip's height from its mean, over the largest deviation, below which a crossing of the mean counts as noise.
+/// Deviation of a tip's height from its mean, over the largest deviation, below which a crossing of the mean counts as noise. Chosen without
+/// experiment.
 const NOISE_FRACTION: f64 = 0.1;
 
 /// Overlap depth, in cells, that is tolerated between touching solids.

@@ -32,7 +32,7 @@ Many runs at once, or a threshold:  meniscus sweep --help";
 #[command(name = "meniscus", version, about, after_help = AFTER_HELP, max_term_width = 110)]
 #[command(arg_required_else_help = true)]
 pub struct Cli {
-    /// What to do.
+    /// The command that runs.
     #[command(subcommand)]
     pub command: Command,
 }

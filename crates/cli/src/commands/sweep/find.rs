@@ -18,7 +18,7 @@ use serde_json::json;
 /// Most halvings of the range.
 const MAX_HALVINGS: usize = 40;
 
-/// What is searched.
+/// The search for the value of a parameter at which a check changes.
 pub struct Search<'a> {
     /// The range.
     pub interval: Interval,

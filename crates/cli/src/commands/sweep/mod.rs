@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// Most cases of a sweep.
 const MAX_CASES: usize = 10_000;
 
-/// Relative width of the interval of `--find`, by default.
+/// Relative width at which `--find` ends by default; chosen without experiment.
 const TOLERANCE: f64 = 0.02;
 
 /// Runs a sweep, a case of it, or a search.

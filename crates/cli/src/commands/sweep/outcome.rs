@@ -1,4 +1,4 @@
-//! What a case of a sweep has come to, read from its folder.
+//! The outcome of a case of a sweep, read from its folder.
 
 use super::plan::SweepFolder;
 use crate::failure::{MISSED, Result};

@@ -14,7 +14,7 @@ const VERSION: u32 = 1;
 /// Start of a line with a setting at the top of a case's scene.
 const SET: &str = "# --set ";
 
-/// What a sweep runs: `sweep.json` of its folder.
+/// The plan of a sweep: the scene and the values of its cases. It is the file `sweep.json` of the folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     version: u32,

@@ -134,6 +134,11 @@ fn the_curvature_of_level_sets_is_of_second_order() {
     }
 }
 
+/// The shape of a surface that meets no solid.
+fn shape_without_solids<'a, const D: usize>(grid: &'a Grid<D>, phi: &'a [f64]) -> SurfaceShape<'a, D> {
+    SurfaceShape { grid, phi: sampler(grid, phi), side: &|_| (f64::INFINITY, Vector::zeros()) }
+}
+
 /// The work of the explicit force along the first axis through a drop, over the density times `Υ κ`: from outside to the middle.
 fn pressure_fraction<const D: usize>(errata: Errata) -> f64 {
     let n = 64;
@@ -142,11 +147,7 @@ fn pressure_fraction<const D: usize>(errata: Errata) -> f64 {
     let types = CellTypes::new(grid, closed(), &phi, &|_| 1.0);
     let tension = SurfaceTension {
         types: &types,
-        shape: SurfaceShape {
-            grid: &grid,
-            phi: sampler(&grid, &phi),
-            side: &|_| (f64::INFINITY, Vector::zeros()),
-        },
+        shape: shape_without_solids(&grid, &phi),
         tensions: TENSIONS,
         density: 2.0,
         dt: 1e-3,
@@ -200,11 +201,7 @@ fn implicit_step<const D: usize>(errata: Errata) {
     let types = CellTypes::new(grid, closed(), &phi, &|x| x[1] - 0.2);
     let step = SurfaceTension {
         types: &types,
-        shape: SurfaceShape {
-            grid: &grid,
-            phi: sampler(&grid, &phi),
-            side: &|_| (f64::INFINITY, Vector::zeros()),
-        },
+        shape: shape_without_solids(&grid, &phi),
         tensions: TENSIONS,
         density: 2.0,
         dt: 0.3,

@@ -90,6 +90,12 @@ impl<const D: usize> ContactLines<D> {
     }
 }
 
+/// The surface of a solid, whose vertices are numbered over the surfaces of all solids.
+struct NumberedSurface<'a, const D: usize> {
+    mesh: &'a SurfaceMesh<D>,
+    first_vertex: u32,
+}
+
 impl<const D: usize> PaperScheme<D> {
     /// The contact lines of a geometry of solids in these states, and the forces on them.
     pub(super) fn contact_lines(&self, geometry: &Geometry<D>, states: &[SolidState<D>]) -> ContactLines<D> {
@@ -99,22 +105,23 @@ impl<const D: usize> PaperScheme<D> {
         let mut all = ContactLines::default();
         let mut first = 0;
         for (solid, mesh) in solids.iter().zip(&geometry.meshes) {
-            self.add_line(&mut all, solid, (mesh, first), geometry, &shape);
+            self.add_line(&mut all, solid, &NumberedSurface { mesh, first_vertex: first }, geometry, &shape);
             first += mesh.positions.len() as u32;
         }
         all
     }
 
-    /// Adds the line of a solid, whose surface's first vertex has a number over all solids.
+    /// Adds the line on a solid's surface.
     fn add_line(
         &self,
         all: &mut ContactLines<D>,
         solid: SolidView<'_, D>,
-        (mesh, first): (&SurfaceMesh<D>, u32),
+        surface: &NumberedSurface<'_, D>,
         geometry: &Geometry<D>,
         shape: &SurfaceShape<'_, D>,
     ) {
         let (errata, dx) = (self.errata, self.model.grid.dx);
+        let NumberedSurface { mesh, first_vertex: first } = *surface;
         let normal = |x: &Vector<D>| (shape.side)(x).1;
         let closed = geometry.sampler(self);
         let phi = |x: &Vector<D>| match errata.exact_line {

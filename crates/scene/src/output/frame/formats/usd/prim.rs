@@ -3,7 +3,7 @@
 use crate::output::frame::{Attribute, Frame, FrameMesh, polylines};
 use std::collections::BTreeSet;
 
-/// Width of curves and points over the mean length of the liquid's edges.
+/// Width of curves and points over the mean length of the liquid's edges: a line as wide as this hides no facet. Chosen without experiment.
 const WIDTH_PER_EDGE: f64 = 0.5;
 
 /// Attributes of a contact line. A frame without one has them, too, as empty arrays.
