@@ -105,6 +105,7 @@ fn wrong_usage_is_status_2() {
         "run small.toml --threads 0",
         "verify no-such-case",
         "verify contour-length --resume",
+        "verify contour-length --jobs 0",
         "bench no-such-bench",
         "bench --markdown",
         "bench table1 step --markdown",

@@ -253,3 +253,22 @@ fn meshes_that_are_built_in_are_found_from_anywhere() {
     place.expect("new drop-on-leaf -o mine.toml", 0);
     place.expect("check mine.toml --quality draft", 0);
 }
+
+/// Cases that run at the same time give the same results in the same order; earlier results are kept.
+#[test]
+fn cases_of_the_suite_run_at_the_same_time() {
+    let place = Place::new("jobs");
+    let outcomes = |line: &str| {
+        let said = place.expect(line, 0);
+        let text = std::fs::read_to_string(place.path("all.json")).unwrap();
+        let results: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let cases = results["cases"].as_array().unwrap().clone();
+        (said, cases.into_iter().map(|c| (c["name"].clone(), c["checks"].clone())).collect::<Vec<_>>())
+    };
+    let (_, one) = outcomes("verify mesh-distance --json all.json");
+    let (said, both) = outcomes("verify contour-length mesh-distance --json all.json --resume --jobs 2");
+    assert!(said.contains("(earlier)"), "{said}");
+    assert_eq!(both[1..], one);
+    let (_, again) = outcomes("verify contour-length mesh-distance --json all.json");
+    assert_eq!(both, again);
+}

@@ -2,8 +2,7 @@
 
 pub use meniscus_numerics::Aabb;
 
-use meniscus_numerics::Vector;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Width of the bins over the mean width of the boxes.
 const BIN_WIDTH_FACTOR: f64 = 2.0;
@@ -11,7 +10,8 @@ const BIN_WIDTH_FACTOR: f64 = 2.0;
 /// Overlapping pairs of boxes of two lists, in ascending order.
 pub fn overlapping_pairs<const D: usize>(one: &[Aabb<D>], other: &[Aabb<D>]) -> Vec<(u32, u32)> {
     let Some(bins) = Bins::new(other) else { return Vec::new() };
-    let of_one = |(k, own): (usize, &Aabb<D>)| {
+    par::flat_map(one.len(), 16, |k, pairs| {
+        let own = &one[k];
         let meets = |o: &u32| {
             let b = &other[*o as usize];
             (0..D).all(|a| b[0][a] <= own[1][a] && own[0][a] <= b[1][a])
@@ -20,9 +20,8 @@ pub fn overlapping_pairs<const D: usize>(one: &[Aabb<D>], other: &[Aabb<D>]) -> 
             bins.touched_bins(own).flat_map(|bin| bins.boxes_in(bin)).copied().filter(meets).collect();
         found.sort_unstable();
         found.dedup();
-        found.into_iter().map(move |o| (k as u32, o))
-    };
-    one.par_iter().enumerate().flat_map_iter(of_one).collect()
+        pairs.extend(found.into_iter().map(|o| (k as u32, o)));
+    })
 }
 
 /// Boxes sorted into the bins of a lattice. If widths are similar, bins have few boxes and boxes touch few bins.

@@ -5,9 +5,8 @@ use crate::broad_phase::{Aabb, overlapping_pairs};
 use crate::ccd::{Clearance, collision_free_fraction};
 use crate::distance::{ClosestPair, Stencil};
 use crate::plane::Plane;
-use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::surface::area_vector;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Surfaces of all bodies. Points are indices into a list of positions, which may contain others as well.
 #[derive(Clone, Debug, Default)]
@@ -151,8 +150,8 @@ impl<const D: usize> CollisionMesh<D> {
         let within = |points: &[u32]| {
             points.iter().map(|p| self.activation_distance(*p)).fold(activation_distance, f64::min)
         };
-        let boxes = |list: &[[u32; D]]| list.par_iter().map(|f| swept(f, within(f))).collect::<Vec<_>>();
-        let points: Vec<Aabb<D>> = self.points.par_iter().map(|p| swept(&[*p], self.radius(*p))).collect();
+        let boxes = |list: &[[u32; D]]| par::map_slice(list, 64, |f| swept(f, within(f)));
+        let points = par::map_slice(&self.points, 64, |p| swept(&[*p], self.radius(*p)));
         let found = overlapping_pairs(&points, &boxes(&self.facets));
         let of_facets = found.into_iter().map(|(p, f)| {
             let point = self.points[p as usize];
@@ -166,8 +165,8 @@ impl<const D: usize> CollisionMesh<D> {
         });
         let mut pairs: Vec<FeaturePair> =
             of_facets.filter(|p| self.can_collide(&p.stencil, &is_rigid, &is_immovable)).collect();
-        let wide: Vec<Aabb<D>> = self.edges.par_iter().map(|e| swept(e, within(e))).collect();
-        let slim: Vec<Aabb<D>> = self.edges.par_iter().map(|e| swept(e, 0.0)).collect();
+        let wide = par::map_slice(&self.edges, 64, |e| swept(e, within(e)));
+        let slim = par::map_slice(&self.edges, 64, |e| swept(e, 0.0));
         let of_edges = overlapping_pairs(&slim, &wide).into_iter().filter(|(i, j)| i < j).map(|(i, j)| {
             let [i, j] = [i as usize, j as usize];
             let stencil = Stencil::edge_edge(self.edges[i], self.edges[j]);
@@ -184,11 +183,8 @@ impl<const D: usize> CollisionMesh<D> {
             }
         });
         pairs.extend(of_edges.filter(|p| self.can_collide(&p.stencil, &is_rigid, &is_immovable)));
-        let pairs = pairs
-            .into_par_iter()
-            .with_min_len(256)
-            .filter(|p| p.comes_near(configurations, activation_distance));
-        FeaturePairs { pairs: pairs.collect() }
+        let near = |i: usize| Some(pairs[i]).filter(|p| p.comes_near(configurations, activation_distance));
+        FeaturePairs { pairs: par::filter_map(pairs.len(), 256, near) }
     }
 }
 
@@ -237,7 +233,7 @@ impl FeaturePairs {
                 activation_distance,
             })
         };
-        self.pairs.par_iter().with_min_len(256).filter_map(contact).collect()
+        par::filter_map(self.pairs.len(), 256, |i| contact(&self.pairs[i]))
     }
 
     /// Conservative fraction, at most 1, of `displacements` for which every pair keeps `kept_fraction` of its distance.
@@ -256,7 +252,7 @@ impl FeaturePairs {
                 clearance,
             )
         };
-        self.pairs.par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
+        par::reduce(self.pairs.len(), 256, 1.0, |i| part(&self.pairs[i]), f64::min)
     }
 
     /// Smallest distance over the pairs of each position, m; infinite where there is no pair.

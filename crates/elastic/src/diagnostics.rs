@@ -6,7 +6,6 @@ use crate::term::inversion_barrier::CRUSHED_VOLUME_RATIO;
 use crate::{Elastic, ElasticState};
 use meniscus_numerics::mesh::Simplex;
 use meniscus_numerics::{Matrix, Vector, par, rotation_planes};
-use rayon::prelude::*;
 
 impl<const D: usize> Elastic<D> {
     /// Elastic energy at positions, J (2D: J/m).
@@ -49,16 +48,18 @@ impl<const D: usize> Elastic<D> {
         let ratio = |simplex: &Simplex<D>| {
             determinant(&simplex.edges(positions)) / determinant(&simplex.edges(&self.rest_mesh.positions))
         };
-        self.rest_mesh.simplices.par_iter().with_min_len(1024).map(ratio).reduce(|| f64::INFINITY, f64::min)
+        let simplices = &self.rest_mesh.simplices;
+        par::reduce(simplices.len(), 1024, f64::INFINITY, |i| ratio(&simplices[i]), f64::min)
     }
 
     /// Number of elements below [`crate::CRUSHED_VOLUME_RATIO`] of their rest volume, where the inversion barrier acts.
     pub fn crushed_elements(&self, positions: &[Vector<D>]) -> usize {
-        let crushed = |simplex: &&Simplex<D>| {
+        let crushed = |simplex: &Simplex<D>| {
             let rest = determinant(&simplex.edges(&self.rest_mesh.positions));
             determinant(&simplex.edges(positions)) < CRUSHED_VOLUME_RATIO * rest
         };
-        self.rest_mesh.simplices.par_iter().with_min_len(1024).filter(crushed).count()
+        let crushed = par::map_slice(&self.rest_mesh.simplices, 1024, crushed);
+        crushed.into_iter().filter(|crushed| *crushed).count()
     }
 
     /// Strain at each vertex: the largest |λ − 1| of the principal stretches λ, averaged over the adjacent elements with their rest
@@ -70,7 +71,7 @@ impl<const D: usize> Elastic<D> {
             let stretches = svd(&(simplex.edges(positions) * across.transpose())).values;
             (simplex.volume(&self.rest_mesh.positions), stretches.map(|s| (s - 1.0).abs()).max())
         };
-        let all: Vec<(f64, f64)> = self.rest_mesh.simplices.par_iter().with_min_len(1024).map(of).collect();
+        let all = par::map_slice(&self.rest_mesh.simplices, 1024, of);
         let mut sums = vec![(0.0, 0.0); positions.len()];
         for (simplex, (volume, strain)) in self.rest_mesh.simplices.iter().zip(all) {
             for v in simplex.vertices() {
@@ -100,7 +101,7 @@ impl<const D: usize> Elastic<D> {
             let f = simplex.edges(positions) * across.transpose();
             (f.transpose() * f - Matrix::identity()) * 0.5
         };
-        self.rest_mesh.simplices.par_iter().with_min_len(1024).map(of).collect()
+        par::map_slice(&self.rest_mesh.simplices, 1024, of)
     }
 
     /// Largest Frobenius norm of the rate `Ḟ` of the deformation gradient in an element, 1/s.
@@ -113,6 +114,7 @@ impl<const D: usize> Elastic<D> {
             let across = cofactor(&edges) / determinant(&edges);
             (simplex.edges(velocities) * across.transpose()).norm()
         };
-        self.rest_mesh.simplices.par_iter().with_min_len(1024).map(rate).reduce(|| 0.0, f64::max)
+        let simplices = &self.rest_mesh.simplices;
+        par::reduce(simplices.len(), 1024, 0.0, |i| rate(&simplices[i]), f64::max)
     }
 }

@@ -14,6 +14,10 @@ pub struct VerifyArgs {
     /// Coarse and short: minutes, not hours.
     #[arg(long)]
     pub quick: bool,
+    /// Number of cases that run at the same time; they share the cores. Two small cases on one thread each take less time than one
+    /// after the other on two.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: u16,
     /// Write the results as JSON. This file and the pages are written anew after each case.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

@@ -5,7 +5,9 @@ use crate::args::VerifyArgs;
 use crate::failure::{Failure, MISSED, Result, USAGE};
 use meniscus_validation::{Case, Mode, Outcome, cases, groups, report};
 use std::fmt::Write as _;
+use std::panic::resume_unwind;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 /// Runs the validation suite or some of its cases.
 pub fn verify(args: &VerifyArgs) -> Result {
@@ -21,34 +23,87 @@ pub fn verify(args: &VerifyArgs) -> Result {
     }
     let mode = if args.quick { Mode::Quick } else { Mode::Full };
     let earlier = if args.resume { earlier_outcomes(args, mode)? } else { Vec::new() };
-    let outcomes = with_threads(None, || outcomes(args, &chosen, mode, earlier))?;
+    let suite = Suite { args, mode, chosen: &chosen, progress: Mutex::new(Progress::new(&chosen, earlier)) };
+    let outcomes = suite.run()?;
     print(&report::summary(&outcomes))?;
     let passed = outcomes.iter().all(|o| o.checks.iter().all(|c| c.pass));
     Ok(if passed { 0 } else { MISSED })
 }
 
-/// Runs cases one after another on the current thread pool, prints their checks, and saves the results after each. Cases with an
-/// `earlier` outcome are not run; earlier outcomes of other cases are saved with the rest.
-fn outcomes(
-    args: &VerifyArgs,
-    chosen: &[&Case],
+/// The cases of a run, which workers take one after another.
+struct Suite<'a> {
+    args: &'a VerifyArgs,
     mode: Mode,
-    mut earlier: Vec<Outcome>,
-) -> Result<Vec<Outcome>> {
-    let mut all = Vec::new();
-    for (i, case) in chosen.iter().enumerate() {
-        let known = earlier.iter().position(|o| o.name == case.name).map(|k| earlier.swap_remove(k));
-        let when = if known.is_some() { " (earlier)" } else { "" };
-        eprintln!("[{}/{}] {}{when}", i + 1, chosen.len(), case.title);
-        let is_new = known.is_none();
-        let outcome = known.unwrap_or_else(|| case.outcome(mode));
-        print(&report::text(&outcome))?;
-        all.push(outcome);
-        if is_new || i + 1 == chosen.len() {
-            save_results(args, &[all.as_slice(), &earlier].concat(), mode)?;
+    chosen: &'a [&'a Case],
+    progress: Mutex<Progress>,
+}
+
+/// What is done, and what is next.
+struct Progress {
+    /// Number of the next case to look at.
+    next: usize,
+    /// The outcome of each chosen case that has one.
+    outcomes: Vec<Option<Outcome>>,
+    /// Earlier outcomes of cases that were not chosen; they are saved with the rest.
+    others: Vec<Outcome>,
+}
+
+impl Progress {
+    fn new(chosen: &[&Case], mut others: Vec<Outcome>) -> Self {
+        let earlier =
+            |case: &&Case| others.iter().position(|o| o.name == case.name).map(|k| others.remove(k));
+        Self { next: 0, outcomes: chosen.iter().map(earlier).collect::<Vec<_>>(), others }
+    }
+
+    /// The number of the next case without an outcome; its title and those of the earlier outcomes before it are printed.
+    fn take(&mut self, chosen: &[&Case]) -> Result<Option<usize>> {
+        while let Some(case) = chosen.get(self.next) {
+            self.next += 1;
+            let earlier = &self.outcomes[self.next - 1];
+            let when = if earlier.is_some() { " (earlier)" } else { "" };
+            eprintln!("[{}/{}] {}{when}", self.next, chosen.len(), case.title);
+            let Some(earlier) = earlier else { return Ok(Some(self.next - 1)) };
+            print(&report::text(earlier))?;
+        }
+        Ok(None)
+    }
+}
+
+impl Suite<'_> {
+    /// Runs the cases on as many workers as jobs were asked for, prints their checks, and saves the results after each. Returns the
+    /// outcomes in the order of the cases.
+    fn run(self) -> Result<Vec<Outcome>> {
+        let jobs = usize::from(self.args.jobs);
+        let threads = std::thread::available_parallelism().map_or(1, |cores| (cores.get() / jobs).max(1));
+        let work = || with_threads(Some(threads), || self.work());
+        std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..jobs).map(|_| scope.spawn(work)).collect();
+            let ended = workers.into_iter().map(|w| w.join().unwrap_or_else(|panic| resume_unwind(panic)));
+            ended.collect::<Vec<_>>().into_iter().collect::<Result<()>>()
+        })?;
+        let progress = self.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let outcomes: Vec<Outcome> = progress.outcomes.into_iter().flatten().collect();
+        save_results(self.args, &[outcomes.as_slice(), &progress.others].concat(), self.mode)?;
+        Ok(outcomes)
+    }
+
+    /// Runs cases on the current thread pool until none is left.
+    fn work(&self) -> Result<()> {
+        let progress = || self.progress.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            let Some(number) = progress().take(self.chosen)? else { return Ok(()) };
+            let outcome = self.chosen[number].outcome(self.mode);
+            let mut progress = progress();
+            print(&report::text(&outcome))?;
+            progress.outcomes[number] = Some(outcome);
+            let all: Vec<Outcome> =
+                progress.outcomes.iter().flatten().chain(&progress.others).cloned().collect();
+            if let Err(failure) = save_results(self.args, &all, self.mode) {
+                progress.next = self.chosen.len();
+                return Err(failure);
+            }
         }
     }
-    Ok(all)
 }
 
 /// Saves the results in the files that the arguments name.

@@ -5,7 +5,6 @@
 
 use super::{BlockMatrix, CoarseFactor, CoarseLattice};
 use meniscus_numerics::{Matrix, Vector, par};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Largest number of iterations.
@@ -108,7 +107,7 @@ impl<const D: usize> IterativeInverse<D> {
             let all = self.starts[i]..self.starts[i + 1];
             all.map(|k| self.blocks[k] * x[self.columns[k] as usize]).sum()
         };
-        (0..x.len()).into_par_iter().with_min_len(MIN_ROWS_PER_TASK).map(row).collect()
+        par::map(x.len(), MIN_ROWS_PER_TASK, row)
     }
 }
 

@@ -12,8 +12,7 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use faer::{Mat, Side};
-use meniscus_numerics::Vector;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Symbolic factorisation, shared by all matrices of one pattern.
@@ -87,7 +86,7 @@ impl SymbolicFactor {
     fn zeros(&self) -> Vec<f64> {
         let mut values =
             std::mem::take(&mut *self.recycled_values.lock().unwrap_or_else(PoisonError::into_inner));
-        values.par_chunks_mut(1 << 16).for_each(|chunk| chunk.fill(0.0));
+        par::map_chunks_mut([&mut values], 1 << 16, |_, [chunk]| chunk.fill(0.0));
         values.resize(self.entries(), 0.0);
         values
     }

@@ -14,7 +14,7 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::prelude::ReborrowMut;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, MatMut, MatRef, Par};
-use rayon::prelude::*;
+use meniscus_numerics::par;
 use std::collections::BTreeMap;
 
 /// Number of columns or rows that are not divided among threads.
@@ -43,8 +43,8 @@ pub fn factorise(
     };
     let parts: Vec<_> = subtrees.parts.iter().map(|nodes| slabs_of(nodes)).collect();
     let above = slabs_of(&subtrees.ancestors);
-    let done: Option<Vec<_>> =
-        parts.into_par_iter().map(|part| eliminate(supernodes, subtrees, part, BTreeMap::new())).collect();
+    let done = par::map_jobs(parts, |part| eliminate(supernodes, subtrees, part, BTreeMap::new()));
+    let done: Option<Vec<_>> = done.into_iter().collect();
     let mut left: BTreeMap<usize, UpdateMatrices> = BTreeMap::new();
     done?.into_iter().flatten().for_each(|(node, rests)| left.entry(node).or_default().extend(rests));
     eliminate(supernodes, subtrees, above, left).map(drop)

@@ -10,7 +10,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::prelude::ReborrowMut;
 use faer::sparse::linalg::cholesky::supernodal::{SupernodalLltRef, SymbolicSupernodalCholesky};
 use faer::{Accum, Mat, Par};
-use rayon::prelude::*;
+use meniscus_numerics::par;
 
 /// Number of parts of a large factor: memory bandwidth is exhausted by few cores.
 const PART_COUNT: usize = 4;
@@ -131,7 +131,7 @@ impl Subtrees {
             forward_substitution(factor, part, &mut own);
             own
         };
-        let done: Vec<Mat<f64>> = self.parts.par_iter().map(below).collect();
+        let done = par::map_slice(&self.parts, 1, below);
         let shared = rows(&self.ancestors);
         for (part, own) in self.parts.iter().zip(&done) {
             copy_rows(x, own, &rows(part));
@@ -146,7 +146,7 @@ impl Subtrees {
             backward_substitution(factor, part, &mut own);
             own
         };
-        let done: Vec<Mat<f64>> = self.parts.par_iter().map(below).collect();
+        let done = par::map_slice(&self.parts, 1, below);
         self.parts.iter().zip(&done).for_each(|(part, own)| copy_rows(x, own, &rows(part)));
     }
 }

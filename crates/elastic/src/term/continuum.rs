@@ -10,7 +10,6 @@ use meniscus_contact::inversion_free_fraction;
 use meniscus_numerics::mesh::VolumeMesh;
 use meniscus_numerics::mesh::volume::ElementOrder;
 use meniscus_numerics::{Matrix, Vector, par};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Number of elements whose tangents are computed in parallel before they are added in order.
@@ -65,7 +64,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
                 kept_fraction,
             )
         };
-        (0..self.points.len()).into_par_iter().with_min_len(256).map(part).reduce(|| 1.0, f64::min)
+        par::reduce(self.points.len(), 256, 1.0, part, f64::min)
     }
 
     /// Deformation gradients at the quadrature points of an element.
@@ -107,7 +106,7 @@ impl<P: EnergyDensity<D>, const D: usize> Continuum<P, D> {
         if range.len() <= MAX_SERIAL_ELEMENTS {
             range.map(f).collect()
         } else {
-            range.into_par_iter().map(f).collect()
+            par::map(range.len(), 1, |i| f(range.start + i))
         }
     }
 

@@ -1,7 +1,8 @@
 //! The narrow band: the cells around the interface, in layers.
 
 use super::{Grid, Runs, Segment};
-use rayon::prelude::*;
+use crate::par;
+use rayon::slice::ParallelSliceMut as _;
 
 /// Number of cells that a task looks around.
 const CELLS_PER_TASK: usize = 1024;
@@ -55,16 +56,13 @@ impl<const D: usize> Band<D> {
         self.layers = vec![0];
         let nx = self.grid.cells[0];
         let lattice = self.grid.lattice();
-        let inner_layer: Vec<Vec<u32>> = inside
-            .runs
-            .par_iter()
-            .map(|run| {
-                let row = run.row as usize * nx;
-                let cells = row + run.start as usize..row + run.end as usize;
-                cells.filter(|&c| lattice.neighbours(c).any(|n| phi[n] >= 0.0)).map(|c| c as u32).collect()
-            })
-            .collect();
-        inner_layer.iter().flatten().for_each(|&c| self.push(c as usize));
+        let inner_layer = par::flat_map(inside.runs.len(), 16, |r, inner_layer| {
+            let run = &inside.runs[r];
+            let row = run.row as usize * nx;
+            let cells = row + run.start as usize..row + run.end as usize;
+            inner_layer.extend(cells.filter(|&c| lattice.neighbours(c).any(|n| phi[n] >= 0.0)));
+        });
+        inner_layer.iter().for_each(|&c| self.push(c));
         for i in 0..self.cells.len() {
             for n in lattice.neighbours(self.cells[i] as usize) {
                 if phi[n] >= 0.0 {
@@ -75,12 +73,11 @@ impl<const D: usize> Band<D> {
         self.close_layer();
         for l in 1..layers {
             let last = &self.cells[self.layers[l - 1]..self.layers[l]];
-            let beyond = |cells: &[u32]| -> Vec<u32> {
-                let beside = cells.iter().flat_map(|c| lattice.neighbours(*c as usize));
-                beside.filter(|n| self.slots[*n] == 0).map(|n| n as u32).collect()
-            };
-            let found: Vec<Vec<u32>> = last.par_chunks(CELLS_PER_TASK).map(beyond).collect();
-            found.iter().flatten().for_each(|n| self.push(*n as usize));
+            let found = par::flat_map(last.len(), CELLS_PER_TASK, |i, found| {
+                let beside = lattice.neighbours(last[i] as usize);
+                found.extend(beside.filter(|n| self.slots[*n] == 0));
+            });
+            found.iter().for_each(|n| self.push(*n));
             self.close_layer();
         }
         self.segments = self.find_segments();
@@ -94,21 +91,18 @@ impl<const D: usize> Band<D> {
             let (row, x) = (cell as usize / row_length, cell % row_length as u32);
             reach[row] = (x.min(reach[row].0), (x + 1).max(reach[row].1));
         }
-        let segments_of = |(row, &(low, high)): (usize, &(u32, u32))| {
-            let (mut segments, mut start) = (Vec::new(), low as usize);
-            for x in low as usize..=high as usize {
-                if x == high as usize || self.slots[row * row_length + x] == 0 {
+        par::flat_map(reach.len(), 256, |row, segments| {
+            let (low, high) = (reach[row].0 as usize, reach[row].1 as usize);
+            let mut start = low;
+            for x in low..=high {
+                if x == high || self.slots[row * row_length + x] == 0 {
                     if x > start {
                         segments.push(Segment { row, start, end: x });
                     }
                     start = x + 1;
                 }
             }
-            segments
-        };
-        let rows: Vec<Vec<Segment>> =
-            reach.par_iter().enumerate().filter(|(_, r)| r.0 < r.1).map(segments_of).collect();
-        rows.concat()
+        })
     }
 
     fn push(&mut self, cell: usize) {

@@ -5,7 +5,7 @@
 
 use super::{Grid, Lattice, Run, Runs, lattice_points};
 use crate::grid::Segment;
-use rayon::prelude::*;
+use crate::par;
 
 /// Cells along the side of a tile.
 pub const TILE_CELLS: usize = 8;
@@ -65,19 +65,15 @@ impl<const D: usize> Tiles<D> {
         let nx = self.grid.cells[0];
         let mut marked = vec![false; self.lattice.len()];
         let segments = self.segments();
-        let hits: Vec<Vec<usize>> = segments
-            .par_iter()
-            .map(|s| {
-                let row = self.tile_row(s.row);
-                let values = &data[s.row * nx + s.start..s.row * nx + s.end];
-                let tiles = values.chunks(TILE_CELLS).enumerate();
-                tiles
-                    .filter(|(_, v)| v.iter().any(|&v| v < 0.0))
-                    .map(|(t, _)| row + s.start / TILE_CELLS + t)
-                    .collect()
-            })
-            .collect();
-        hits.iter().flatten().for_each(|&t| marked[t] = true);
+        let hits = par::flat_map(segments.len(), 16, |i, hits| {
+            let s = &segments[i];
+            let row = self.tile_row(s.row);
+            let values = &data[s.row * nx + s.start..s.row * nx + s.end];
+            let tiles = values.chunks(TILE_CELLS).enumerate();
+            let hit = tiles.filter(|(_, v)| v.iter().any(|&v| v < 0.0));
+            hits.extend(hit.map(|(t, _)| row + s.start / TILE_CELLS + t));
+        });
+        hits.iter().for_each(|&t| marked[t] = true);
         let mut active = vec![false; self.lattice.len()];
         for (tile, _) in marked.iter().enumerate().filter(|(_, m)| **m) {
             self.for_each_neighbour(tile, |n| active[n] = true);
@@ -145,32 +141,23 @@ impl<const D: usize> Tiles<D> {
     /// The cells of the active tiles with a negative value, as runs (components not yet labelled).
     pub fn negative_runs(&self, data: &[f64]) -> Runs {
         let nx = self.grid.cells[0];
-        let runs: Vec<Vec<Run>> = self
-            .segments()
-            .par_iter()
-            .map(|s| {
-                let values = &data[s.row * nx..(s.row + 1) * nx];
-                let mut runs = Vec::new();
-                let mut i = s.start;
-                while i < s.end {
-                    let start = i;
-                    while i < s.end && values[i] < 0.0 {
-                        i += 1;
-                    }
-                    if start < i {
-                        runs.push(Run {
-                            row: s.row as u32,
-                            start: start as u32,
-                            end: i as u32,
-                            component: 0,
-                        });
-                    }
+        let segments = self.segments();
+        let runs = par::flat_map(segments.len(), 16, |number, runs| {
+            let s = &segments[number];
+            let values = &data[s.row * nx..(s.row + 1) * nx];
+            let mut i = s.start;
+            while i < s.end {
+                let start = i;
+                while i < s.end && values[i] < 0.0 {
                     i += 1;
                 }
-                runs
-            })
-            .collect();
-        Runs { runs: runs.into_iter().flatten().collect(), components: 0 }
+                if start < i {
+                    runs.push(Run { row: s.row as u32, start: start as u32, end: i as u32, component: 0 });
+                }
+                i += 1;
+            }
+        });
+        Runs { runs, components: 0 }
     }
 
     /// Position in the tile lattice of the first tile that a row of cells crosses.

@@ -15,7 +15,6 @@
 
 use super::{Band, CutCells, FaceField, Grid, Lattice, Sampler, Segment};
 use crate::par;
-use rayon::prelude::*;
 
 /// Mark of the faces of the liquid.
 const LIQUID_MARK: u8 = 1;
@@ -97,16 +96,16 @@ impl<const D: usize> VelocityExtension<D> {
         let (grid, cells) = (self.grid, self.grid.lattice());
         let lattices: [Lattice<D>; D] = std::array::from_fn(|a| grid.face_lattice(a));
         let air = |layer: std::ops::Range<usize>| {
-            let air = band.cells[layer].par_iter().filter(|c| phi[**c as usize] >= 0.0);
-            let lower_faces = air.map(|c| {
-                let at = cells.coordinates(*c as usize);
-                std::array::from_fn(|a| lattices[a].index(at) as u32)
-            });
-            lower_faces.collect::<Vec<[u32; D]>>()
+            let list = &band.cells[layer];
+            par::filter_map(list.len(), 256, |i| -> Option<[u32; D]> {
+                let at = cells.coordinates(list[i] as usize);
+                let lower_faces = || std::array::from_fn(|a| lattices[a].index(at) as u32);
+                (phi[list[i] as usize] >= 0.0).then(lower_faces)
+            })
         };
         let layers: Vec<_> = band.layers.windows(2).map(|layer| air(layer[0]..layer[1])).collect();
         let axes = self.marks.iter_mut().zip(&mut self.extended_faces).zip(&mut velocity.axes).enumerate();
-        axes.collect::<Vec<_>>().into_par_iter().for_each(|(a, ((marks, extended), values))| {
+        par::map_jobs(axes.collect(), |(a, ((marks, extended), values))| {
             for (layer, lower_faces) in layers.iter().enumerate() {
                 let mark = (layer + FIRST_LAYER_MARK as usize).min(255) as u8;
                 let mut fresh = Vec::new();
@@ -124,7 +123,7 @@ impl<const D: usize> VelocityExtension<D> {
                     let shut = (at[a] == 0 && closed(a, 0)) || (at[a] == grid.cells[a] && closed(a, 1));
                     if shut { 0.0 } else { known.extrapolated_value(at, mark, distance) }
                 };
-                let found: Vec<f64> = fresh.par_iter().map(value).collect();
+                let found = par::map_slice(&fresh, 64, value);
                 fresh.iter().zip(found).for_each(|(&f, v)| values[f as usize] = v);
                 extended.append(&mut fresh);
             }
@@ -142,7 +141,9 @@ impl<const D: usize> VelocityExtension<D> {
         std::array::from_fn(|a| {
             let (lattice, u) = (self.grid.face_lattice(a), &velocity.axes[a]);
             let open = &cut_cells.open_fraction.axes[a];
-            let of_face = |&f: &u32| {
+            let list = cut_faces(cut_cells, a);
+            par::filter_map(list.len(), 256, |i| {
+                let f = list[i];
                 let own = open[f as usize];
                 if own <= 0.0 || own >= 1.0 || self.marks[a][f as usize] != LIQUID_MARK {
                     return None;
@@ -151,8 +152,7 @@ impl<const D: usize> VelocityExtension<D> {
                 let (sum, all) =
                     around.fold((0.0, 0.0), |(sum, all), n| (sum + open[n] * u[n], all + open[n]));
                 (all > 0.0).then(|| (f, own * u[f as usize] + (1.0 - own) * sum / all))
-            };
-            cut_faces(cut_cells, a).par_iter().with_min_len(256).filter_map(of_face).collect()
+            })
         })
     }
 
@@ -173,12 +173,12 @@ impl<const D: usize> VelocityExtension<D> {
             let mut rest: Vec<u32> =
                 shut[a].iter().copied().filter(|&f| self.marks[a][f as usize] == 0).collect();
             for _ in 0..CLOSED_FACE_LAYERS {
-                let mean = |&f: &u32| {
+                let mean = |f: u32| {
                     let known = lattice.neighbours(f as usize).filter(|n| self.marks[a][*n] != 0);
                     let (sum, count) = known.fold((0.0, 0.0), |(s, c), n| (s + velocity.axes[a][n], c + 1.0));
                     (count > 0.0).then(|| (f, sum / count))
                 };
-                let fresh: Vec<(u32, f64)> = rest.par_iter().with_min_len(256).filter_map(mean).collect();
+                let fresh = par::filter_map(rest.len(), 256, |i| mean(rest[i]));
                 rest.clear();
                 for (f, value) in fresh {
                     velocity.axes[a][f as usize] = value;

@@ -8,7 +8,7 @@
 
 use crate::Vector;
 use crate::grid::{Band, Grid, Sampler};
-use rayon::prelude::*;
+use crate::par;
 
 /// Maximum number of Newton iterations.
 const MAX_NEWTON_ITERATIONS: usize = 12;
@@ -36,28 +36,22 @@ pub fn redistance<const D: usize>(
     for layer in 0..layers.min(band.layers.len() - 1) {
         let range = band.layers[layer]..band.layers[layer + 1];
         let (done, _) = closest.split_at(range.start);
-        let found: Vec<(Vector<D>, f64)> = band.cells[range.clone()]
-            .par_iter()
-            .map(|&cell| {
-                let x = grid.center(lattice.coordinates(cell as usize));
-                let known = if layer == 0 {
-                    nearest_crossing(grid, phi, cell as usize, &x)
-                } else {
-                    nearest_neighbour_point(grid, band, done, cell as usize, &x)
-                };
-                let Some(known) = known else { return (x, f64::INFINITY) };
-                let closest_point = predicted_closest_point(
-                    sampler,
-                    phi[cell as usize],
-                    lattice.coordinates(cell as usize),
-                    &x,
-                )
+        let found = par::map_slice(&band.cells[range.clone()], 1, |&cell| {
+            let cell = cell as usize;
+            let at = lattice.coordinates(cell);
+            let x = grid.center(at);
+            let known = if layer == 0 {
+                nearest_crossing(grid, phi, cell, &x)
+            } else {
+                nearest_neighbour_point(grid, band, done, cell, &x)
+            };
+            let Some(known) = known else { return (x, f64::INFINITY) };
+            let closest_point = predicted_closest_point(sampler, phi[cell], at, &x)
                 .and_then(|start| newton_closest_point(sampler, grid.dx, &x, start, &known))
                 .or_else(|| newton_closest_point(sampler, grid.dx, &x, known, &known))
                 .unwrap_or(known);
-                (closest_point, (closest_point - x).norm())
-            })
-            .collect();
+            (closest_point, (closest_point - x).norm())
+        });
         for (i, (point, d)) in range.zip(found) {
             closest[i] = point;
             distance[i] = d;

@@ -2,7 +2,7 @@
 
 use super::operator::Preconditioner;
 use super::{Real, vectors};
-use rayon::prelude::*;
+use crate::par;
 
 /// Entries per task.
 const CHUNK: usize = 1 << 14;
@@ -23,22 +23,17 @@ impl<T: Real> Jacobi<T> {
     /// Inverts the operator's diagonal; entries that are not positive get the inverse 0.
     pub fn new(diagonal: &[f64]) -> Self {
         let of = |d: &f64| T::from_f64(if *d > 0.0 { 1.0 / d } else { 0.0 });
-        let inverse = diagonal.par_iter().with_min_len(CHUNK).map(of).collect();
-        Self { inverse }
+        Self { inverse: par::map_slice(diagonal, CHUNK, of) }
     }
 }
 
 impl<T: Real> Preconditioner<T> for Jacobi<T> {
     fn apply(&self, r: &[T], z: &mut [T]) -> f64 {
-        let inverse = self.inverse.par_chunks(CHUNK);
-        let parts: Vec<f64> = z
-            .par_chunks_mut(CHUNK)
-            .zip(r.par_chunks(CHUNK).zip(inverse))
-            .map(|(z, (r, inverse))| {
-                z.iter_mut().zip(r.iter().zip(inverse)).for_each(|(z, (r, i))| *z = *r * *i);
-                vectors::dot_serial(z, r)
-            })
-            .collect();
+        let parts = par::map_chunks_mut([z], CHUNK, |range, [z]| {
+            let (r, inverse) = (&r[range.clone()], &self.inverse[range]);
+            z.iter_mut().zip(r.iter().zip(inverse)).for_each(|(z, (r, i))| *z = *r * *i);
+            vectors::dot_serial(z, r)
+        });
         parts.iter().sum()
     }
 

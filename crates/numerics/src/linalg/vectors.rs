@@ -1,7 +1,7 @@
 //! Loops over whole vectors; sums are taken in an order that does not depend on the number of threads.
 
 use super::Real;
-use rayon::prelude::*;
+use crate::par;
 
 /// Entries per task.
 const CHUNK: usize = 1 << 14;
@@ -36,37 +36,29 @@ pub fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
     if a.len() <= CHUNK {
         return dot_serial(a, b);
     }
-    let parts: Vec<f64> =
-        a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK)).map(|(a, b)| dot_serial(a, b)).collect();
+    let chunk = |c: usize| c * CHUNK..((c + 1) * CHUNK).min(a.len());
+    let parts = par::map(a.len().div_ceil(CHUNK), 1, |c| dot_serial(&a[chunk(c)], &b[chunk(c)]));
     parts.iter().sum()
 }
 
 /// `r = scale (b − q)`; returns `r · r`.
 pub(super) fn scaled_residual(scale: f64, b: &[f64], q: &[f64], r: &mut [f64]) -> f64 {
-    let parts: Vec<f64> = r
-        .par_chunks_mut(CHUNK)
-        .zip(b.par_chunks(CHUNK).zip(q.par_chunks(CHUNK)))
-        .map(|(r, (b, q))| {
-            for ((r, b), q) in r.iter_mut().zip(b).zip(q) {
-                *r = scale * (b - q);
-            }
-            dot_serial(r, r)
-        })
-        .collect();
+    let parts = par::map_chunks_mut([r], CHUNK, |range, [r]| {
+        for ((r, b), q) in r.iter_mut().zip(&b[range.clone()]).zip(&q[range]) {
+            *r = scale * (b - q);
+        }
+        dot_serial(r, r)
+    });
     parts.iter().sum()
 }
 
 /// `r −= α q`; returns `r · r`.
 pub(super) fn subtract_scaled<T: Real>(alpha: f64, q: &[T], r: &mut [T]) -> f64 {
     let alpha = T::from_f64(alpha);
-    let parts: Vec<f64> = r
-        .par_chunks_mut(CHUNK)
-        .zip(q.par_chunks(CHUNK))
-        .map(|(r, q)| {
-            r.iter_mut().zip(q).for_each(|(r, q)| *r = *r - alpha * *q);
-            dot_serial(r, r)
-        })
-        .collect();
+    let parts = par::map_chunks_mut([r], CHUNK, |range, [r]| {
+        r.iter_mut().zip(&q[range]).for_each(|(r, q)| *r = *r - alpha * *q);
+        dot_serial(r, r)
+    });
     parts.iter().sum()
 }
 
@@ -78,42 +70,38 @@ pub(super) fn subtract_scaled_and_multiply<T: Real>(
     r: &mut [T],
 ) -> [f64; 2] {
     let alpha = T::from_f64(alpha);
-    let parts: Vec<[f64; 2]> = r
-        .par_chunks_mut(CHUNK)
-        .zip(q.par_chunks_mut(CHUNK).zip(d.par_chunks(CHUNK)))
-        .map(|(r, (q, d))| {
-            let mut sums = [[0.0; PARTIAL_SUMS]; 2];
-            let mut entry = |l: usize, r: &mut T, q: &mut T, d: T| {
-                *r = *r - alpha * *q;
-                *q = d * *r;
-                sums[0][l] += r.to_f64() * r.to_f64();
-                sums[1][l] += r.to_f64() * q.to_f64();
-            };
-            let (r_blocks, r_rest) = r.as_chunks_mut::<PARTIAL_SUMS>();
-            let (q_blocks, q_rest) = q.as_chunks_mut::<PARTIAL_SUMS>();
-            let (d_blocks, d_rest) = d.as_chunks::<PARTIAL_SUMS>();
-            for ((r, q), d) in r_blocks.iter_mut().zip(q_blocks).zip(d_blocks) {
-                for l in 0..PARTIAL_SUMS {
-                    entry(l, &mut r[l], &mut q[l], d[l]);
-                }
+    let parts = par::map_chunks_mut([r, q], CHUNK, |range, [r, q]| {
+        let mut sums = [[0.0; PARTIAL_SUMS]; 2];
+        let mut entry = |l: usize, r: &mut T, q: &mut T, d: T| {
+            *r = *r - alpha * *q;
+            *q = d * *r;
+            sums[0][l] += r.to_f64() * r.to_f64();
+            sums[1][l] += r.to_f64() * q.to_f64();
+        };
+        let (r_blocks, r_rest) = r.as_chunks_mut::<PARTIAL_SUMS>();
+        let (q_blocks, q_rest) = q.as_chunks_mut::<PARTIAL_SUMS>();
+        let (d_blocks, d_rest) = d[range].as_chunks::<PARTIAL_SUMS>();
+        for ((r, q), d) in r_blocks.iter_mut().zip(q_blocks).zip(d_blocks) {
+            for l in 0..PARTIAL_SUMS {
+                entry(l, &mut r[l], &mut q[l], d[l]);
             }
-            for (l, ((r, q), d)) in r_rest.iter_mut().zip(q_rest).zip(d_rest).enumerate() {
-                entry(l, r, q, *d);
-            }
-            sums.map(|lanes| lanes.iter().sum())
-        })
-        .collect();
+        }
+        for (l, ((r, q), d)) in r_rest.iter_mut().zip(q_rest).zip(d_rest).enumerate() {
+            entry(l, r, q, *d);
+        }
+        sums.map(|lanes| lanes.iter().sum::<f64>())
+    });
     parts.iter().fold([0.0; 2], |sums, part| [sums[0] + part[0], sums[1] + part[1]])
 }
 
 /// The entries of `v` in another precision.
 pub(super) fn converted<T: Real, U: Real>(v: &[T]) -> Vec<U> {
-    v.par_iter().with_min_len(CHUNK).map(|v| U::from_f64(v.to_f64())).collect()
+    par::map_slice(v, CHUNK, |v| U::from_f64(v.to_f64()))
 }
 
 /// `p = z`.
 pub(super) fn copy<T: Real>(z: &[T], p: &mut [T]) {
-    p.par_chunks_mut(CHUNK).zip(z.par_chunks(CHUNK)).for_each(|(p, z)| p.copy_from_slice(z));
+    par::map_chunks_mut([p], CHUNK, |range, [p]| p.copy_from_slice(&z[range]));
 }
 
 /// `x += α p`, then `p = z + β p`.
@@ -125,8 +113,8 @@ pub(super) fn update_iterate_and_direction<T: Real>(
     p: &mut [T],
 ) {
     let [alpha, beta] = [alpha, beta].map(T::from_f64);
-    x.par_chunks_mut(CHUNK).zip(p.par_chunks_mut(CHUNK).zip(z.par_chunks(CHUNK))).for_each(|(x, (p, z))| {
-        for ((x, p), z) in x.iter_mut().zip(p.iter_mut()).zip(z) {
+    par::map_chunks_mut([x, p], CHUNK, |range, [x, p]| {
+        for ((x, p), z) in x.iter_mut().zip(p).zip(&z[range]) {
             *x = *x + alpha * *p;
             *p = *z + beta * *p;
         }
@@ -136,9 +124,9 @@ pub(super) fn update_iterate_and_direction<T: Real>(
 /// `x += α p`.
 pub(super) fn axpy<T: Real>(alpha: f64, p: &[T], x: &mut [T]) {
     let alpha = T::from_f64(alpha);
-    x.par_chunks_mut(CHUNK)
-        .zip(p.par_chunks(CHUNK))
-        .for_each(|(x, p)| x.iter_mut().zip(p).for_each(|(x, p)| *x = *x + alpha * *p));
+    par::map_chunks_mut([x], CHUNK, |range, [x]| {
+        x.iter_mut().zip(&p[range]).for_each(|(x, p)| *x = *x + alpha * *p);
+    });
 }
 
 /// `p = a p + b d r` with the `factors` `a` and `b`, then `x += p`.
@@ -150,9 +138,8 @@ pub(super) fn add_preconditioned_step<T: Real>(
     x: &mut [T],
 ) {
     let [a, b] = factors.map(T::from_f64);
-    let inputs = r.par_chunks(CHUNK).zip(d.par_chunks(CHUNK));
-    x.par_chunks_mut(CHUNK).zip(p.par_chunks_mut(CHUNK)).zip(inputs).for_each(|((x, p), (r, d))| {
-        for ((x, p), (r, d)) in x.iter_mut().zip(p).zip(r.iter().zip(d)) {
+    par::map_chunks_mut([x, p], CHUNK, |range, [x, p]| {
+        for ((x, p), (r, d)) in x.iter_mut().zip(p).zip(r[range.clone()].iter().zip(&d[range])) {
             *p = a * *p + b * (*d * *r);
             *x = *x + *p;
         }
@@ -161,16 +148,15 @@ pub(super) fn add_preconditioned_step<T: Real>(
 
 /// `p ← factor p`, and `v ← factor v`.
 pub(super) fn scale(factor: f64, p: &mut [f64], v: &mut [f64]) {
-    p.par_chunks_mut(CHUNK).zip(v.par_chunks_mut(CHUNK)).for_each(|(p, v)| {
+    par::map_chunks_mut([p, v], CHUNK, |_, [p, v]| {
         p.iter_mut().chain(v).for_each(|value| *value *= factor);
     });
 }
 
 /// `q −= α p + β p_last`.
 pub(super) fn orthogonalise(alpha: f64, p: &[f64], beta: f64, p_last: &[f64], q: &mut [f64]) {
-    let others = p.par_chunks(CHUNK).zip(p_last.par_chunks(CHUNK));
-    q.par_chunks_mut(CHUNK).zip(others).for_each(|(q, (p, last))| {
-        for ((q, p), last) in q.iter_mut().zip(p).zip(last) {
+    par::map_chunks_mut([q], CHUNK, |range, [q]| {
+        for ((q, p), last) in q.iter_mut().zip(&p[range.clone()]).zip(&p_last[range]) {
             *q -= alpha * p + beta * last;
         }
     });
@@ -185,9 +171,8 @@ pub(super) fn next_direction(
     epsilon: f64,
     w_last: &mut [f64],
 ) {
-    let others = v.par_chunks(CHUNK).zip(w.par_chunks(CHUNK));
-    w_last.par_chunks_mut(CHUNK).zip(others).for_each(|(last, (v, w))| {
-        for ((last, v), w) in last.iter_mut().zip(v).zip(w) {
+    par::map_chunks_mut([w_last], CHUNK, |range, [last]| {
+        for ((last, v), w) in last.iter_mut().zip(&v[range.clone()]).zip(&w[range]) {
             *last = factor * (v - delta * w - epsilon * *last);
         }
     });
@@ -195,13 +180,9 @@ pub(super) fn next_direction(
 
 /// `r ← a r + b q`; returns `r · r`.
 pub(super) fn combine(a: f64, b: f64, q: &[f64], r: &mut [f64]) -> f64 {
-    let parts: Vec<f64> = r
-        .par_chunks_mut(CHUNK)
-        .zip(q.par_chunks(CHUNK))
-        .map(|(r, q)| {
-            r.iter_mut().zip(q).for_each(|(r, q)| *r = a * *r + b * q);
-            dot_serial(r, r)
-        })
-        .collect();
+    let parts = par::map_chunks_mut([r], CHUNK, |range, [r]| {
+        r.iter_mut().zip(&q[range]).for_each(|(r, q)| *r = a * *r + b * q);
+        dot_serial(r, r)
+    });
     parts.iter().sum()
 }

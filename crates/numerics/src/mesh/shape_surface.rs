@@ -5,7 +5,7 @@ use super::remesh::Remesher;
 use super::{Isosurface, SurfaceMesh};
 use crate::Vector;
 use crate::grid::{CellField, Grid, Tiles};
-use rayon::prelude::*;
+use crate::par;
 
 /// Newton iterations of the projection of a vertex onto the surface.
 const PROJECTION_STEPS: usize = 3;
@@ -35,7 +35,7 @@ impl<const D: usize> ShapeSurface<D> {
         let grid = Grid::<D>::new(cells, edge);
         let lattice = grid.lattice();
         let mut field = CellField::new(grid, 0.0);
-        field.data.par_iter_mut().enumerate().for_each(|(i, value)| {
+        par::for_each_mut(&mut field.data, 64, |i, value| {
             *value = distance(&(low + grid.center(lattice.coordinates(i)).component_mul(&scale)));
         });
         let inside = Tiles::all(grid).negative_runs(&field.data);

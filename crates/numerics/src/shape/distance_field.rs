@@ -6,15 +6,15 @@
 use super::{MeshShape, Shape};
 use crate::Vector;
 use crate::grid::{CellField, Grid};
-use rayon::prelude::*;
+use crate::par;
 
 impl<const D: usize> Shape<D> {
     /// The signed distance (m, negative inside) at the centre of each cell.
     pub fn signed_distance_field(&self, grid: Grid<D>) -> CellField<D> {
         let mut field = CellField::new(grid, 0.0);
         let lattice = grid.lattice();
-        field.data.par_chunks_mut(grid.cells[0]).enumerate().for_each(|(row, out)| {
-            let first = grid.center(lattice.coordinates(row * grid.cells[0]));
+        par::map_chunks_mut([&mut field.data], grid.cells[0], |cells, [out]| {
+            let first = grid.center(lattice.coordinates(cells.start));
             self.sample_row(&first, grid.dx, out);
         });
         field

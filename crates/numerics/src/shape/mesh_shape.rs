@@ -4,7 +4,7 @@ use crate::Vector;
 use crate::mesh::io::ReadFile;
 use crate::mesh::io::import::{self, ImportError};
 use crate::mesh::{FacetBvh, SurfaceMesh};
-use rayon::prelude::*;
+use crate::par;
 use std::path::Path;
 
 /// Distance from a facet, relative to its size, at which its two sides are tested.
@@ -52,11 +52,8 @@ impl<const D: usize> MeshShape<D> {
             let winds = |x: Vector<D>, times: f64| (self.tree.winding_number(&x) - times).abs() < 0.3;
             (!winds(middle - normal, 1.0) || !winds(middle + normal, 0.0)).then_some(middle)
         };
-        (0..count)
-            .step_by(count.div_ceil(MAX_TESTED_FACETS).max(1))
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .find_map_first(wrong)
+        let stride = count.div_ceil(MAX_TESTED_FACETS).max(1);
+        par::filter_map(count.div_ceil(stride), 16, |i| wrong(i * stride)).into_iter().next()
     }
 
     /// The surface, m.

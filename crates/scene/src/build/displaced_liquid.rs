@@ -11,10 +11,9 @@ use crate::error::SceneError;
 use crate::estimate::thin_liquid::Obstacles;
 use crate::file::{Scene, ShapeSpec, Warning};
 use crate::units::{format_si, format_volume};
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Lattice;
+use meniscus_numerics::{Vector, par};
 use meniscus_sim::{SolidSurfaces, Solids};
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// Samples along each axis of the bounding box of a body, in two and three dimensions.
@@ -105,14 +104,11 @@ fn displaced_bodies_of<const D: usize>(scene: &Scene, setup: &Setup<D>) -> Vec<D
         };
         let points: Vec<Vector<D>> = sample_points(&low, &high, count).collect();
         // For each liquid point inside a solid: that solid, and the smaller of the depths in body and solid.
-        let found: Vec<Option<(usize, f64)>> = points
-            .par_iter()
-            .filter_map(|x| Some((x, liquid(x)?)))
-            .map(|(x, depth)| {
-                let nearest = obstacles.distances(x).min_by(|a, b| a.1.total_cmp(&b.1));
-                nearest.filter(|n| n.1 < 0.0).map(|(solid, d)| (solid, depth.min(-d)))
-            })
-            .collect();
+        let found: Vec<Option<(usize, f64)>> = par::filter_map(points.len(), 64, |i| {
+            let depth = liquid(&points[i])?;
+            let nearest = obstacles.distances(&points[i]).min_by(|a, b| a.1.total_cmp(&b.1));
+            Some(nearest.filter(|n| n.1 < 0.0).map(|(solid, d)| (solid, depth.min(-d))))
+        });
         let inside: Vec<(usize, f64)> = found.iter().copied().flatten().collect();
         let mut solids: Vec<usize> = inside.iter().map(|i| i.0).collect();
         solids.sort_unstable();

@@ -3,9 +3,8 @@
 use super::thin_liquid::Obstacles;
 use crate::build::Setup;
 use crate::file::{Scene, Warning};
-use meniscus_numerics::Vector;
+use meniscus_numerics::{Vector, par};
 use meniscus_sim::{SolidSurfaces, Solids};
-use rayon::prelude::*;
 
 /// Width, in cells, below which liquid in a gap is not resolved.
 const RESOLVED_GAP_CELLS: f64 = 2.0;
@@ -59,7 +58,7 @@ fn narrowest_gap_center<const D: usize>(
         let between = both.len() == 2 && both.iter().all(|d| *d >= 0.0);
         between.then(|| (i, both[0] + both[1]))
     };
-    let found: Vec<(usize, f64)> = (0..lattice.len()).into_par_iter().filter_map(width).collect();
+    let found = par::filter_map(lattice.len(), 64, width);
     let least = found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))?;
     Some(grid.center(lattice.coordinates(least.0)))
 }

@@ -7,10 +7,9 @@
 //! the axis.
 
 use crate::build::Setup;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Grid, Lattice};
+use meniscus_numerics::{Vector, par};
 use meniscus_sim::{Simulation, SolidSurfaces, SolidView, Solids};
-use rayon::prelude::*;
 
 /// Radius of the ball that must fit, in cells.
 const BALL_RADIUS_CELLS: f32 = 1.0;
@@ -58,16 +57,16 @@ pub fn measure_thin_liquid<const D: usize>(
     distance: impl Fn([usize; D]) -> f64 + Sync,
 ) -> ThinLiquid<D> {
     let lattice = grid.lattice();
-    let cells = || (0..lattice.len()).into_par_iter();
-    let depth: Vec<f32> = cells().map(|i| (-distance(lattice.coordinates(i)) / grid.dx) as f32).collect();
-    let fits: Vec<bool> = cells().map(|i| ball_fits(lattice, &depth, i)).collect();
+    let cells = lattice.len();
+    let depth = par::map(cells, 64, |i| (-distance(lattice.coordinates(i)) / grid.dx) as f32);
+    let fits = par::map(cells, 64, |i| ball_fits(lattice, &depth, i));
     let near = cell_offsets_within_reach::<D>();
     let is_thin = |i: usize| {
         let at = lattice.coordinates(i);
         !near.iter().any(|step| neighbour_cell(lattice, at, step).is_some_and(|j| fits[j]))
     };
     let candidate = |i: usize| depth[i] > -0.5 && !fits[i];
-    let thin: Vec<usize> = cells().filter(|i| candidate(*i) && is_thin(*i)).collect();
+    let thin = par::filter_map(cells, 64, |i| (candidate(i) && is_thin(i)).then_some(i));
     // The liquid fraction of a cell for an interface perpendicular to an axis.
     let part = |i: usize| f64::from((depth[i] + 0.5).clamp(0.0, 1.0));
     let all: f64 = (0..lattice.len()).map(part).sum();

@@ -6,9 +6,8 @@
 
 use super::summary::deflection;
 use crate::job::padded_to_3d;
-use meniscus_numerics::Vector;
+use meniscus_numerics::{Vector, par};
 use meniscus_sim::{Component, ContactLine, LinePoint, Simulation};
-use rayon::prelude::*;
 use std::fmt::Write as _;
 
 /// Relative tolerance within which vertices are equally far away.
@@ -92,7 +91,7 @@ fn tip_vertices<const D: usize>(simulation: &Simulation<D>, number: usize) -> Op
         let some = anchored.iter().step_by(anchored.len().div_ceil(MAX_ANCHOR_SAMPLES).max(1));
         some.map(|h| to(&rest[*h as usize])).reduce(f64::min).unwrap_or_else(|| to(&middle))
     };
-    let distances: Vec<f64> = surface_vertices.par_iter().map(far).collect();
+    let distances = par::map_slice(surface_vertices, 16, far);
     let farthest = distances.iter().copied().fold(0.0, f64::max);
     let is_tip = |(_, distance): &(&u32, &f64)| **distance >= (1.0 - EQUAL_DISTANCE_TOLERANCE) * farthest;
     Some(surface_vertices.iter().zip(&distances).filter(is_tip).map(|(v, _)| *v).collect())

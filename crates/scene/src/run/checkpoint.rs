@@ -7,8 +7,8 @@
 use crate::job::RunStatistics;
 use crate::output::atomic_file::{self, FileError};
 use meniscus_numerics::grid::Grid;
+use meniscus_numerics::par;
 use meniscus_sim::State;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -107,8 +107,8 @@ struct Blocks<W> {
 impl<W: Write> Blocks<W> {
     /// Compresses and writes all that waits.
     fn write_blocks(&mut self) -> io::Result<()> {
-        let compressed: Vec<Vec<u8>> =
-            self.waiting.par_chunks(BLOCK_BYTES).map(lz4_flex::block::compress_prepend_size).collect();
+        let blocks: Vec<&[u8]> = self.waiting.chunks(BLOCK_BYTES).collect();
+        let compressed = par::map_jobs(blocks, lz4_flex::block::compress_prepend_size);
         self.waiting.clear();
         compressed.iter().try_for_each(|block| {
             self.file.write_all(&(block.len() as u64).to_le_bytes())?;
@@ -235,8 +235,8 @@ fn decompress(mut blocks: &[u8]) -> Option<Vec<u8>> {
         compressed.push(block);
         blocks = rest;
     }
-    let parts: Option<Vec<Vec<u8>>> =
-        compressed.par_iter().map(|block| lz4_flex::block::decompress_size_prepended(block).ok()).collect();
+    let parts = par::map_jobs(compressed, |block| lz4_flex::block::decompress_size_prepended(block).ok());
+    let parts: Option<Vec<Vec<u8>>> = parts.into_iter().collect();
     Some(parts?.concat())
 }
 

@@ -12,8 +12,7 @@ use super::moments::{Moments, RowSums};
 use crate::free_surface::interface_faces::InterfaceFace;
 use crate::model::Model;
 use meniscus_numerics::grid::{CellField, FaceField, Segment};
-use meniscus_numerics::{Matrix, Vector, rotation_planes};
-use rayon::prelude::*;
+use meniscus_numerics::{Matrix, Vector, par, rotation_planes};
 use std::iter::zip;
 
 /// Largest ratio between the mass of a group's faces and that of its volume. Beyond it the cells lie between solids, and the mean over
@@ -127,13 +126,13 @@ impl<const D: usize> ComponentFaces<'_, D> {
     pub fn moments(&self, velocity: &FaceField<D>) -> Vec<Moments<D>> {
         let mut total = vec![Moments::zero(); self.component_count];
         for a in 0..D {
-            let chunks: Vec<Vec<(u32, Moments<D>)>> =
-                self.faces[a].par_chunks(256).map(|c| self.chunk(a, c, &velocity.axes[a])).collect();
-            for (component, moments) in chunks.iter().flatten() {
+            let chunks: Vec<&[Segment]> = self.faces[a].chunks(256).collect();
+            let sums = par::map_slice(&chunks, 1, |chunk| self.chunk(a, chunk, &velocity.axes[a]));
+            for (component, moments) in sums.iter().flatten() {
                 total[*component as usize].add(moments, 1.0);
             }
         }
-        let places: Vec<_> = self.interface_faces.par_iter().map(|f| self.place(f)).collect();
+        let places = par::map_slice(self.interface_faces, 256, |f| self.place(f));
         for (f, (component, x)) in zip(self.interface_faces, &places) {
             let u = velocity.axes[f.axis][f.face];
             total[*component as usize].add_face(f.axis, f.theta * f.open_fraction, x, u);
@@ -289,26 +288,21 @@ impl<const D: usize> ComponentFaces<'_, D> {
         };
         for a in 0..D {
             let row = self.model.grid.face_lattice(a).extent[0];
-            meniscus_numerics::par::for_each_segment(
-                &mut velocity.axes[a],
-                row,
-                &self.faces[a],
-                |s, part| {
-                    let base = s.row * row + s.start;
-                    self.for_each_inner_stretch(a, s, |stretch| {
-                        for (n, face) in stretch.faces().enumerate() {
-                            let x = self.model.grid.face_center(a, stretch.at(n));
-                            part[face - base] += motion(a, &x, stretch.component);
-                        }
-                    });
-                },
-            );
+            par::for_each_segment(&mut velocity.axes[a], row, &self.faces[a], |s, part| {
+                let base = s.row * row + s.start;
+                self.for_each_inner_stretch(a, s, |stretch| {
+                    for (n, face) in stretch.faces().enumerate() {
+                        let x = self.model.grid.face_center(a, stretch.at(n));
+                        part[face - base] += motion(a, &x, stretch.component);
+                    }
+                });
+            });
         }
         let change = |f: &InterfaceFace| {
             let (component, x) = self.place(f);
             motion(f.axis, &x, component)
         };
-        let changes: Vec<f64> = self.interface_faces.par_iter().map(change).collect();
+        let changes = par::map_slice(self.interface_faces, 256, change);
         zip(self.interface_faces, changes).for_each(|(f, by)| velocity.axes[f.axis][f.face] += by);
     }
 }

@@ -11,7 +11,6 @@ use crate::model::Model;
 use crate::state::Component;
 use meniscus_numerics::grid::{Band, CellField, Runs, Sampler};
 use meniscus_numerics::{Vector, par};
-use rayon::prelude::*;
 
 /// Tolerance of a volume over its target, and of a centre of mass over the size of the domain.
 const RELATIVE_TOLERANCE: f64 = 1e-13;
@@ -156,7 +155,7 @@ pub fn band_labels<const D: usize>(
         let k = runs.partition_point(|r| r.end <= x);
         runs.get(k).filter(|r| r.start <= x).map_or(u32::MAX, |r| r.component)
     };
-    let mut labels: Vec<u32> = band.cells.par_iter().with_min_len(1024).map(own).collect();
+    let mut labels = par::map_slice(&band.cells, 1024, own);
     for i in 0..band.cells.len() {
         if labels[i] == u32::MAX {
             let near = |n: usize| band.slot(n).map(|s| labels[s]).filter(|l| *l != u32::MAX);
@@ -226,7 +225,7 @@ impl<const D: usize> VolumeCorrection<'_, D> {
     pub fn measure(&self, phi: &CellField<D>) -> VolumeMeasurement<D> {
         let keys = self.dual_grid.interface_keys(&phi.data, self.band);
         let (dual_cells, label) = (self.dual_grid.dual_cells(&phi.data, &keys), self.component_of());
-        let components = dual_cells.par_iter().map(|cube| cube.corner_components(&label)).collect();
+        let components = par::map_slice(&dual_cells, 256, |cube| cube.corner_components(&label));
         self.volumes_of(keys, components, dual_cells)
     }
 
@@ -307,6 +306,6 @@ impl<const D: usize> VolumeCorrection<'_, D> {
         let grid = &self.model.grid;
         let sampler = Sampler::cells(grid, &phi.data, self.model.scalar_boundary());
         let slope = |&cell: &u32| sampler.gradient(grid.lattice().coordinates(cell as usize));
-        self.band.cells.par_iter().map(slope).collect()
+        par::map_slice(&self.band.cells, 1, slope)
     }
 }

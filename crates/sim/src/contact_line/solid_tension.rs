@@ -13,11 +13,10 @@ use crate::model::Model;
 use crate::solid::surface::SurfacePoint;
 use crate::solid::{SolidView, Solids};
 use meniscus_elastic::StiffnessBlock;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Sampler};
 use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_numerics::mesh::surface::{area_gradients, area_hessian_psd};
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 use std::collections::BTreeMap;
 
 /// Heights above a vertex, in cells, at which the component that wets it is looked up.
@@ -128,8 +127,8 @@ impl<const D: usize> WettedSolid<'_, D> {
             let area = surface.area_vector(f);
             facet.iter().for_each(|v| normals[*v as usize] += area);
         }
-        let vertices = surface.positions.par_iter().zip(&normals).with_min_len(256);
-        vertices.map(|(x, n)| self.sample_vertex(x, n)).collect()
+        let positions = &surface.positions;
+        par::map(positions.len(), 256, |v| self.sample_vertex(&positions[v], &normals[v]))
     }
 
     /// Samples a vertex; `normal` need not be a unit vector.

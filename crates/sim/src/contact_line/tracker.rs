@@ -17,10 +17,9 @@ use crate::model::Model;
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::simulation::Simulation;
 use crate::solid::Solids;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Sampler, VelocitySampler};
 use meniscus_numerics::mesh::{Contour, Geodesic, ShapeSurface, SurfaceMesh};
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Extracts the contact line on the solids of a model.
 #[derive(Clone, Debug)]
@@ -207,17 +206,17 @@ impl<const D: usize> TrackedSurface<D> {
         let solid = seen.solids.get(number);
         let rigid = solid.state.rigid();
         let moved = |x: &Vector<D>| rigid.map_or(*x, |rigid| solid.to_current(rigid, x));
-        let value = |(x, n): (&Vector<D>, &Vector<D>)| {
+        let mesh = &self.mesh;
+        let value = |v: usize| {
+            let n = &self.normals[v];
             let normal = rigid.map_or(*n, |rigid| rigid.rotation * n);
-            let x = moved(x) + normal * solid.padding;
+            let x = moved(&mesh.positions[v]) + normal * solid.padding;
             let value = phi_at_solid(&seen.phi, &x, &normal, seen.dx);
             let open = *n != Vector::<D>::zeros()
                 && !(value.abs() < MAX_LINE_PHI_CELLS * seen.dx && seen.is_covered(number, &x));
             if open { value } else { f64::NAN }
         };
-        let mesh = &self.mesh;
-        let vertices = mesh.positions.par_iter().zip(&self.normals).with_min_len(256);
-        let values: Vec<f64> = vertices.map(value).collect();
+        let values = par::map(mesh.positions.len(), 256, value);
         let contour = Contour::of(&mesh.facets[..self.own_facets], &values);
         line.phi_c.push(self.geodesic.distance(mesh, &contour, &values, BAND_WIDTH_CELLS * seen.dx));
         let places: Vec<Vector<D>> = contour.positions(mesh).iter().map(moved).collect();
@@ -228,9 +227,7 @@ impl<const D: usize> TrackedSurface<D> {
         }
         let first = line.points.len() as u32;
         line.segments.extend(contour.segments.iter().map(|s| s.map(|p| p + first)));
-        let point = |(at, length): (&Vector<D>, &f64)| seen.point(number, *at, *length);
-        let points: Vec<_> = places.par_iter().zip(&lengths).with_min_len(8).map(point).collect();
-        line.points.extend(points);
+        line.points.extend(par::map(places.len(), 8, |p| seen.point(number, places[p], lengths[p])));
     }
 }
 
@@ -270,7 +267,8 @@ impl<const D: usize> ContactLine<D> {
             let near = pieces[from..].iter().take_while(|p| p[0][0] <= x[0] + reach);
             near.map(|p| distance_to_segment(x, p)).fold(BAND_WIDTH_CELLS * dx, f64::min) / dx
         };
-        places.par_iter().with_min_len(64).map(away).reduce_with(f64::max)
+        let largest = || par::reduce(places.len(), 64, 0.0, |i| away(&places[i]), f64::max);
+        (!places.is_empty()).then(largest)
     }
 }
 

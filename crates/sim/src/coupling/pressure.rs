@@ -16,10 +16,9 @@ use crate::collision::solid_response::{FluxRow, SolidResponse};
 use crate::model::Model;
 use crate::solid::surface::SurfacePoint;
 use crate::solid::{SolidState, Solids, angular_to_node};
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CutCell, CutCells};
 use meniscus_numerics::linalg::{CoupledBodies, InPlaceSolve, SparseColumn};
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 use std::collections::BTreeMap;
 
 /// The wetted surfaces of the solids, and their motion.
@@ -42,12 +41,12 @@ pub fn wetted_surfaces<const D: usize>(
     cut_cells: &CutCells<D>,
     phi: &[f64],
 ) -> Vec<WettedSurface<D>> {
-    let wet = cut_cells.cells.par_iter().with_min_len(64).filter(|w| phi[w.cell as usize] < 0.0);
     let gripped = |w: &CutCell<D>| {
         let centroid = surface_centroid_cells(solids.model, w) * solids.model.grid.dx;
         (*w, solids.get(w.solid as usize).surface.closest_point(&centroid))
     };
-    wet.map(gripped).collect()
+    let cells = &cut_cells.cells;
+    par::filter_map(cells.len(), 64, |i| (phi[cells[i].cell as usize] < 0.0).then(|| gripped(&cells[i])))
 }
 
 impl<'a, const D: usize> PressureCoupling<'a, D> {

@@ -24,7 +24,6 @@ use meniscus_numerics::linalg::{
     SolveError, SolveLimits, SolveReport,
 };
 use meniscus_numerics::{Vector, par};
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::iter::zip;
 
@@ -393,7 +392,7 @@ fn second_order_corrections<const D: usize>(model: &Model<D>, p: &Projection<'_,
         let lambda = |n: usize| p.pressure_impulse.data[inward(n)];
         0.5 * (1.0 - f.theta) * (lambda(0) - 2.0 * lambda(1) + lambda(2))
     };
-    p.interface_faces.par_iter().map(bend).collect()
+    par::map_slice(p.interface_faces, 256, bend)
 }
 
 /// Adds `sign` times the velocity change by the pressure, minus its gradient, on the liquid's faces.
@@ -463,7 +462,8 @@ pub fn divergence_max<const D: usize>(
         fluxes.range(first..first + sum.len()).for_each(|(cell, flux)| sum[cell - first] += flux);
         sum.iter().fold(0.0f64, |m, v| m.max(v.abs()))
     };
-    liquid.segments().par_iter().map(worst).reduce(|| 0.0, f64::max) / model.grid.dx
+    let segments = liquid.segments();
+    par::reduce(segments.len(), 1, 0.0, |i| worst(&segments[i]), f64::max) / model.grid.dx
 }
 
 #[cfg(test)]

@@ -17,8 +17,7 @@ use super::extension::GhostCell;
 use crate::simulation::repairs::Repairs;
 use meniscus_numerics::grid::{Band, CutCells, Grid, Sampler};
 use meniscus_numerics::lanes::LANES;
-use meniscus_numerics::{Vector, level_set};
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, level_set, par};
 
 /// Strength `c` of the filter. Long steps are stable from 0.4725 on with the filter alone, from 1.70 on with
 /// the band-pass damping (book/theory/free-surface.md). The value 2 measured best.
@@ -148,7 +147,7 @@ impl<const D: usize> InterfaceLayers<'_, D> {
                 cell => self.band.slot(cell as usize).unwrap_or(usize::MAX),
             })
         };
-        let slots: Vec<[usize; 8]> = self.dual_cells.par_iter().map(slots).collect();
+        let slots = par::map_slice(self.dual_cells, 256, slots);
         let mut slopes = vec![[0.0; 2]; count];
         for (cube, slots) in self.dual_cells.iter().zip(&slots) {
             for (k, slot) in slots.iter().enumerate().filter(|(_, slot)| **slot < count) {
@@ -184,7 +183,7 @@ fn raw_curvature<const D: usize>(
     let InterfaceLayers { grid, band, phi, .. } = *interface;
     let near = solids.smoothed_energy_curvature(grid, band, slopes, &hydrostatic);
     let lattice = grid.lattice();
-    let of_slots = |slots: &[u32]| {
+    let of_slots = |slots: &&[u32]| {
         let cells: [u32; LANES] = std::array::from_fn(|l| band.cells[slots[l.min(slots.len() - 1)] as usize]);
         let curvatures = level_set::curvatures(phi, grid.dx, cells.map(|c| lattice.coordinates(c as usize)));
         let mut values = [(0.0, false); LANES];
@@ -202,7 +201,8 @@ fn raw_curvature<const D: usize>(
         }
         values
     };
-    let values: Vec<_> = graph.slots.par_chunks(LANES).with_min_len(64).map(of_slots).collect();
+    let packs: Vec<&[u32]> = graph.slots.chunks(LANES).collect();
+    let values = par::map_slice(&packs, 64, of_slots);
     values.into_iter().flatten().take(graph.slots.len()).unzip()
 }
 
@@ -302,7 +302,7 @@ impl<const D: usize> SolidContext<'_, D> {
         let mut values = slopes.to_vec();
         for _ in 0..passes {
             let smooth = |&s: &u32| binomial(grid, band, &values, band.cells[s as usize] as usize);
-            let new: Vec<[f64; 2]> = near.par_iter().with_min_len(256).map(smooth).collect();
+            let new = par::map_slice(&near, 256, smooth);
             near.iter().zip(new).for_each(|(s, v)| values[*s as usize] = v);
         }
         let curvature = |(slot, [e, v]): (usize, [f64; 2])| {

@@ -2,7 +2,6 @@
 
 use meniscus_numerics::grid::{Band, Grid};
 use meniscus_numerics::par;
-use rayon::prelude::*;
 
 /// Surface measure, in cells², below which a cell is left out.
 const MIN_SURFACE_MEASURE_CELLS2: f64 = 0.004;
@@ -44,21 +43,16 @@ impl Graph {
             (0..measure.len() as u32).filter(|&s| measure[s as usize] > MIN_SURFACE_MEASURE_CELLS2).collect();
         slots.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
         let weight: Vec<f64> = slots.iter().map(|&s| measure[s as usize]).collect();
-        let links = slots
-            .par_iter()
-            .enumerate()
-            .with_min_len(512)
-            .map(|(i, &slot)| {
-                let mut links = [(i as u32, 0.0); 6];
-                for (k, n) in lattice.neighbours(band.cells[slot as usize] as usize).enumerate() {
-                    let other = band.slot(n).and_then(|s| place.get(s)).filter(|p| **p != u32::MAX);
-                    if let Some(&j) = other {
-                        links[k] = (j, (0.5 * (weight[i] + weight[j as usize])) as f32);
-                    }
+        let links = par::map(slots.len(), 512, |i| {
+            let mut links = [(i as u32, 0.0); 6];
+            for (k, n) in lattice.neighbours(band.cells[slots[i] as usize] as usize).enumerate() {
+                let other = band.slot(n).and_then(|s| place.get(s)).filter(|p| **p != u32::MAX);
+                if let Some(&j) = other {
+                    links[k] = (j, (0.5 * (weight[i] + weight[j as usize])) as f32);
                 }
-                links
-            })
-            .collect();
+            }
+            links
+        });
         Self { slots, measure: weight, links }
     }
 
@@ -68,7 +62,7 @@ impl Graph {
             self.links[i].iter().map(|&(j, c)| c as f64 * (v[i] - v[j as usize])).sum::<f64>()
                 / self.measure[i]
         };
-        (0..v.len()).into_par_iter().with_min_len(CHUNK).map(row).collect()
+        par::map(v.len(), CHUNK, row)
     }
 
     /// `|W v|²`.
@@ -80,15 +74,13 @@ impl Graph {
     /// residual is relative to the root of `scale`, usually [`Self::norm_squared`] of `v`.
     pub fn filter(&self, v: &[f64], s: f64, scale: f64) -> FilterResult {
         let n = v.len();
-        let places = || (0..n).into_par_iter().with_min_len(CHUNK);
-        let diagonal: Vec<Complex> = places()
-            .map(|i| [self.measure[i], s * self.links[i].iter().map(|l| l.1 as f64).sum::<f64>()])
-            .collect();
-        let mut x: Vec<Complex> = places().map(|i| [v[i], 0.0]).collect();
+        let degree = |i: usize| self.links[i].iter().map(|l| l.1 as f64).sum::<f64>();
+        let diagonal: Vec<Complex> = par::map(n, CHUNK, |i| [self.measure[i], s * degree(i)]);
+        let mut x: Vec<Complex> = par::map(n, CHUNK, |i| [v[i], 0.0]);
         let mut q = vec![[0.0; 2]; n];
         self.multiply(s, &x, &mut q);
-        let mut r: Vec<Complex> = places().map(|i| [self.measure[i] * v[i] - q[i][0], -q[i][1]]).collect();
-        let mut p: Vec<Complex> = places().map(|i| over(r[i], diagonal[i])).collect();
+        let mut r: Vec<Complex> = par::map(n, CHUNK, |i| [self.measure[i] * v[i] - q[i][0], -q[i][1]]);
+        let mut p: Vec<Complex> = par::map(n, CHUNK, |i| over(r[i], diagonal[i]));
         let start = par::sums(n, |i| with_square(times(r[i], p[i]), r[i]));
         let (mut rho, mut square) = ([start[0], start[1]], start[2]);
         for _ in 0..MAX_ITERATIONS {
@@ -101,9 +93,8 @@ impl Graph {
             let next = [sums[0], sums[1]];
             let beta = over(next, rho);
             (rho, square) = (next, sums[2]);
-            p.par_chunks_mut(CHUNK).enumerate().for_each(|(c, p)| {
-                for (i, p) in p.iter_mut().enumerate() {
-                    let at = c * CHUNK + i;
+            par::map_chunks_mut([&mut p], CHUNK, |range, [p]| {
+                for (at, p) in range.zip(p) {
                     let (z, t) = (over(r[at], diagonal[at]), times(beta, *p));
                     *p = [z[0] + t[0], z[1] + t[1]];
                 }
@@ -116,28 +107,23 @@ impl Graph {
 
     /// Computes `y = (W + i s L) x`; returns `Σ x y`.
     fn multiply(&self, s: f64, x: &[Complex], y: &mut [Complex]) -> Complex {
-        let sums: Vec<Complex> = y
-            .par_chunks_mut(CHUNK)
-            .enumerate()
-            .map(|(c, part)| {
-                let mut sum = [0.0; 2];
-                for (i, y) in part.iter_mut().enumerate() {
-                    let at = c * CHUNK + i;
-                    let here = x[at];
-                    let mut bend = [0.0; 2];
-                    for &(j, link) in &self.links[at] {
-                        let there = x[j as usize];
-                        bend[0] += link as f64 * (here[0] - there[0]);
-                        bend[1] += link as f64 * (here[1] - there[1]);
-                    }
-                    let w = self.measure[at];
-                    *y = [w * here[0] - s * bend[1], w * here[1] + s * bend[0]];
-                    let t = times(here, *y);
-                    sum = [sum[0] + t[0], sum[1] + t[1]];
+        let sums: Vec<Complex> = par::map_chunks_mut([y], CHUNK, |range, [part]| {
+            let mut sum = [0.0; 2];
+            for (at, y) in range.zip(part) {
+                let here = x[at];
+                let mut bend = [0.0; 2];
+                for &(j, link) in &self.links[at] {
+                    let there = x[j as usize];
+                    bend[0] += link as f64 * (here[0] - there[0]);
+                    bend[1] += link as f64 * (here[1] - there[1]);
                 }
-                sum
-            })
-            .collect();
+                let w = self.measure[at];
+                *y = [w * here[0] - s * bend[1], w * here[1] + s * bend[0]];
+                let t = times(here, *y);
+                sum = [sum[0] + t[0], sum[1] + t[1]];
+            }
+            sum
+        });
         sums.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
     }
 }
@@ -151,23 +137,17 @@ fn update(
     diagonal: &[Complex],
     alpha: Complex,
 ) -> [f64; 3] {
-    let sums: Vec<[f64; 3]> = x
-        .par_chunks_mut(CHUNK)
-        .zip(r.par_chunks_mut(CHUNK))
-        .enumerate()
-        .map(|(c, (x, r))| {
-            let mut sum = [0.0; 3];
-            for i in 0..x.len() {
-                let at = c * CHUNK + i;
-                let (dx, dr) = (times(alpha, p[at]), times(alpha, q[at]));
-                x[i] = [x[i][0] + dx[0], x[i][1] + dx[1]];
-                r[i] = [r[i][0] - dr[0], r[i][1] - dr[1]];
-                let terms = with_square(times(r[i], over(r[i], diagonal[at])), r[i]);
-                (0..3).for_each(|k| sum[k] += terms[k]);
-            }
-            sum
-        })
-        .collect();
+    let sums: Vec<[f64; 3]> = par::map_chunks_mut([x, r], CHUNK, |range, [x, r]| {
+        let mut sum = [0.0; 3];
+        for (i, at) in range.enumerate() {
+            let (dx, dr) = (times(alpha, p[at]), times(alpha, q[at]));
+            x[i] = [x[i][0] + dx[0], x[i][1] + dx[1]];
+            r[i] = [r[i][0] - dr[0], r[i][1] - dr[1]];
+            let terms = with_square(times(r[i], over(r[i], diagonal[at])), r[i]);
+            (0..3).for_each(|k| sum[k] += terms[k]);
+        }
+        sum
+    });
     sums.iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
 }
 

@@ -14,7 +14,7 @@
 
 use super::dual_cell::{CornerComponents, DualCell, SimplexSplit, away_from_zero, distribute};
 use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, Segment, box_rows, segment_points};
-use meniscus_numerics::{Vector, rotation_planes};
+use meniscus_numerics::{Vector, par, rotation_planes};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -64,7 +64,7 @@ impl<const D: usize> DualGrid<D> {
         let of_row = |row: &Segment| self.solid_cells_in(row, cut_cells, &nearest);
         let of = |[low, high]: &[[usize; D]; 2]| -> Vec<SolidDualCell> {
             let rows = box_rows(&cubes, [*low, high.map(|n| n + 1)]);
-            rows.par_iter().flat_map_iter(of_row).collect()
+            par::flat_map(rows.len(), 1, |i, found| found.extend(of_row(&rows[i])))
         };
         let mut all: Vec<SolidDualCell> = cut_cells.solid_boxes().iter().flat_map(of).collect();
         all.sort_by_key(|d| d.key);
@@ -118,15 +118,15 @@ impl<const D: usize> DualGrid<D> {
     pub fn interface_keys(&self, phi: &[f64], band: &Band<D>) -> Vec<u32> {
         let cubes = self.lattice();
         let cells = self.grid.lattice();
-        let mut keys: Vec<u32> = band.cells[band.first_layers(1)]
-            .par_iter()
-            .filter(|&&c| phi[c as usize] < 0.0)
-            .flat_map_iter(|&c| {
-                let at = cells.coordinates(c as usize);
-                (0..1usize << D)
-                    .map(move |k| cubes.index(std::array::from_fn(|a| at[a] + (k >> a & 1))) as u32)
-            })
-            .collect();
+        let layer = &band.cells[band.first_layers(1)];
+        let mut keys = par::flat_map(layer.len(), 256, |i, keys| {
+            let cell = layer[i] as usize;
+            if phi[cell] < 0.0 {
+                let at = cells.coordinates(cell);
+                let corner = |k: usize| std::array::from_fn(|a| at[a] + (k >> a & 1));
+                keys.extend((0..1 << D).map(|k| cubes.index(corner(k)) as u32));
+            }
+        });
         let wet = |d: &SolidDualCell| d.corners[..1 << D].iter().any(|c| phi[*c as usize] < 0.0);
         keys.extend(self.solid_cells.iter().filter(|d| wet(d)).map(|d| d.key));
         keys.par_sort_unstable();
@@ -136,12 +136,12 @@ impl<const D: usize> DualGrid<D> {
 
     /// The dual cells with these keys.
     pub fn dual_cells(&self, phi: &[f64], keys: &[u32]) -> Vec<DualCell> {
-        keys.par_iter().map(|&k| self.dual_cell(phi, k)).collect()
+        par::map_slice(keys, 1, |&k| self.dual_cell(phi, k))
     }
 
     /// Computes the dual cells with these keys anew in their memory.
     pub fn update_dual_cells(&self, phi: &[f64], keys: &[u32], dual_cells: &mut [DualCell]) {
-        dual_cells.par_iter_mut().zip(keys).for_each(|(cell, &key)| *cell = self.dual_cell(phi, key));
+        par::for_each_mut(dual_cells, 1, |i, cell| *cell = self.dual_cell(phi, keys[i]));
     }
 
     /// Every dual cell that the surface crosses or in which liquid wets a solid, in order of memory.
@@ -158,7 +158,8 @@ impl<const D: usize> DualGrid<D> {
     /// Indices in `solid_cells` of the cubes with a contact line, and a point of the line in each, m.
     fn contact_line_cells(&self, phi: &[f64]) -> Vec<(usize, Vector<D>)> {
         let cubes = self.lattice();
-        let place = |(number, dry): (usize, &SolidDualCell)| {
+        let place = |number: usize| {
+            let dry = &self.solid_cells[number];
             let values: [f64; 8] = std::array::from_fn(|k| {
                 phi.get(dry.corners[k] as usize).map_or(1.0, |v| away_from_zero(v / self.grid.dx))
             });
@@ -169,7 +170,7 @@ impl<const D: usize> DualGrid<D> {
             let there = wet > 0 && wet < 1 << D && pulls();
             there.then(|| (number, (lower + common_zero(&values, &dry.psi)) * self.grid.dx))
         };
-        self.solid_cells.par_iter().enumerate().with_min_len(256).filter_map(place).collect()
+        par::filter_map(self.solid_cells.len(), 256, place)
     }
 
     /// Sets the contact angles: `wetting` returns the cosine at a point (m) on the solid with an index, and whether the line is
@@ -180,8 +181,8 @@ impl<const D: usize> DualGrid<D> {
         wetting: impl Fn(&Vector<D>, u32) -> (f64, bool) + Sync,
     ) {
         let lines = self.contact_line_cells(phi);
-        let angles: Vec<(f64, bool)> =
-            lines.par_iter().map(|(number, place)| wetting(place, self.solid_cells[*number].solid)).collect();
+        let angle = |(number, place): &(usize, Vector<D>)| wetting(place, self.solid_cells[*number].solid);
+        let angles = par::map_slice(&lines, 1, angle);
         // A line may reach any of the cells before the next call; nothing of earlier steps is kept that a checkpoint lacks.
         self.solid_cells
             .iter_mut()

@@ -19,9 +19,8 @@ use crate::model::resolution::{BAND_WIDTH_CELLS, GRADIENT_NORM_TOLERANCE};
 use crate::model::time_step::MAX_DT_GROWTH;
 use crate::solid::{SolidKind, SolidSurfaces, Solids};
 use crate::state::State;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CutCells, Sampler, VelocitySampler, lattice_points};
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 use std::f64::consts::PI;
 
 /// Fraction of the difference to the continuation that φ takes in a step: 1 lifts drops off, 0 keeps stale values.
@@ -85,7 +84,7 @@ pub fn ghost_cells<const D: usize>(
     };
     let within = |c: &u32| cut.distance_cells(*c as usize) < 0.0;
     let slots: Vec<u32> = (0..band.cells.len() as u32).filter(|s| within(&band.cells[*s as usize])).collect();
-    let ghost = |&slot: &u32| {
+    let ghost = |slot: u32| {
         let cell = band.cells[slot as usize] as usize;
         let at = model.grid.lattice().coordinates(cell);
         surface.ghost_cell(
@@ -95,7 +94,7 @@ pub fn ghost_cells<const D: usize>(
             cut.is_closed(at),
         )
     };
-    slots.par_iter().with_min_len(64).filter_map(ghost).collect()
+    par::filter_map(slots.len(), 64, |i| ghost(slots[i]))
 }
 
 /// The free surface, the solids and their motion.
@@ -227,7 +226,7 @@ pub fn extend_into_solids<const D: usize>(
     let ghosts = ghost_cells(now, state, band, cut);
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
     let seen = |g: &GhostCell<D>| sampler.distance_with_gradient(&g.exit_point).0;
-    let all: Vec<f64> = ghosts.par_iter().with_min_len(64).map(seen).collect();
+    let all = par::map_slice(&ghosts, 64, seen);
     let high = SAMPLE_HEIGHT_CELLS * model.grid.dx;
     let mut across = Vec::new();
     for (ghost, seen) in ghosts.iter().zip(all) {
@@ -308,14 +307,13 @@ fn raise_clear_cells<const D: usize>(
     open.dedup();
     let dx = model.grid.dx;
     let least = |cell: usize| (SAMPLE_HEIGHT_CELLS + cut.distance_cells(cell)) * dx;
-    let is_clear = |cell: &u32| {
-        let cell = *cell as usize;
+    let is_clear = |cell: usize| {
         let tells = |(c, way): (usize, Vector<D>)| {
             phi[c] * phi[cell] < 0.0 || phi[c].abs() + way.norm() * dx < least(cell)
         };
         !open_neighbours(model, cut, cell).filter(|(c, _)| *c != cell).any(tells)
     };
-    let clear: Vec<u32> = open.into_par_iter().with_min_len(64).filter(is_clear).collect();
+    let clear = par::filter_map(open.len(), 64, |i| is_clear(open[i] as usize).then_some(open[i]));
     for cell in clear.iter().map(|c| *c as usize) {
         phi[cell] = phi[cell].abs().max(least(cell)).copysign(phi[cell]);
     }
@@ -370,8 +368,7 @@ fn extend_signs_beyond_band<const D: usize>(
             };
             lattice.index(std::array::from_fn(place))
         };
-        let all = (0..extent.iter().product()).into_par_iter().with_min_len(1024);
-        all.filter_map(|k| side(cell(k))).collect::<Vec<_>>()
+        par::filter_map(extent.iter().product(), 1024, |k| side(cell(k)))
     };
     let sides: Vec<(usize, f64)> = cut.solid_boxes().iter().flat_map(of).collect();
     let put =

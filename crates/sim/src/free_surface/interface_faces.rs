@@ -3,7 +3,7 @@
 use super::curvature::Curvature;
 use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, CutCells, Sampler};
-use rayon::prelude::*;
+use meniscus_numerics::par;
 
 /// Smallest distance of the interface from the liquid's cell centre, as a fraction of a cell.
 const MIN_THETA: f64 = 0.02;
@@ -46,50 +46,46 @@ pub fn interface_faces<const D: usize>(
     let value = |slot: Option<usize>| {
         slot.filter(|s| curvature.known.get(*s) == Some(&true)).map(|s| curvature.kappa[s])
     };
-    band.cells[band.first_layers(1)]
-        .par_iter()
-        .filter(|&&c| phi.data[c as usize] < 0.0)
-        .flat_map_iter(|&c| {
-            let cell = c as usize;
-            let at = lattice.coordinates(cell);
-            let sampler = &sampler;
-            (0..2 * D).filter_map(move |n| {
-                let (axis, up) = (n / 2, n % 2);
-                let edge = if up == 1 { at[axis] + 1 == lattice.extent[axis] } else { at[axis] == 0 };
-                let other = if up == 1 {
-                    cell + lattice.stride[axis]
-                } else {
-                    cell.wrapping_sub(lattice.stride[axis])
-                };
-                if edge || phi.data[other] < 0.0 {
-                    return None;
-                }
-                let step = if up == 1 { 1 } else { -1 };
-                let theta = interface_crossing(sampler, at, axis, step).clamp(MIN_THETA, 1.0);
-                let here = value(band.slot(cell));
-                let there = value(band.slot(other));
-                let kappa = match (here, there) {
-                    (Some(i), Some(a)) => Some((1.0 - theta) * i + theta * a),
-                    (one, other) => one.or(other),
-                };
-                let mut face = at;
-                face[axis] += up;
-                let face = model.grid.face_lattice(axis).index(face);
-                let open_fraction = solids.open_fraction.axes[axis][face];
-                (open_fraction > 0.0).then_some(InterfaceFace {
-                    axis,
-                    face,
-                    cell,
-                    sign: step as f64,
-                    theta,
-                    kappa: kappa.unwrap_or(0.0),
-                    is_curvature_known: kappa.is_some(),
-                    open_fraction,
-                    mobility: 1.0,
-                })
-            })
+    let find = |cell: usize, at: [usize; D], n: usize| {
+        let (axis, up) = (n / 2, n % 2);
+        let edge = if up == 1 { at[axis] + 1 == lattice.extent[axis] } else { at[axis] == 0 };
+        let other =
+            if up == 1 { cell + lattice.stride[axis] } else { cell.wrapping_sub(lattice.stride[axis]) };
+        if edge || phi.data[other] < 0.0 {
+            return None;
+        }
+        let step = if up == 1 { 1 } else { -1 };
+        let theta = interface_crossing(&sampler, at, axis, step).clamp(MIN_THETA, 1.0);
+        let here = value(band.slot(cell));
+        let there = value(band.slot(other));
+        let kappa = match (here, there) {
+            (Some(i), Some(a)) => Some((1.0 - theta) * i + theta * a),
+            (one, other) => one.or(other),
+        };
+        let mut face = at;
+        face[axis] += up;
+        let face = model.grid.face_lattice(axis).index(face);
+        let open_fraction = solids.open_fraction.axes[axis][face];
+        (open_fraction > 0.0).then_some(InterfaceFace {
+            axis,
+            face,
+            cell,
+            sign: step as f64,
+            theta,
+            kappa: kappa.unwrap_or(0.0),
+            is_curvature_known: kappa.is_some(),
+            open_fraction,
+            mobility: 1.0,
         })
-        .collect()
+    };
+    let layer = &band.cells[band.first_layers(1)];
+    par::flat_map(layer.len(), 1, |i, faces| {
+        let cell = layer[i] as usize;
+        if phi.data[cell] < 0.0 {
+            let at = lattice.coordinates(cell);
+            faces.extend((0..2 * D).filter_map(|n| find(cell, at, n)));
+        }
+    })
 }
 
 /// Fraction of the segment from the centre of liquid cell `at` to its neighbour's at which the cubic through four values is zero.

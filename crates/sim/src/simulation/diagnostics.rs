@@ -14,9 +14,8 @@ use crate::model::Model;
 use crate::solid::Solids;
 use crate::state::{Component, State};
 use meniscus_elastic::{Elastic, ElasticState};
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Segment;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Sums over the whole liquid. In 2D everything is per metre of depth.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +141,8 @@ pub fn max_velocity_component<const D: usize>(
             let stretch = |s: &Segment| {
                 values[s.row * row + s.start..s.row * row + s.end].iter().fold(0.0f64, |m, v| m.max(v.abs()))
             };
-            work.known_faces.liquid_faces()[a].par_iter().map(stretch).reduce(|| 0.0, f64::max)
+            let segments = &work.known_faces.liquid_faces()[a];
+            par::reduce(segments.len(), 1, 0.0, |i| stretch(&segments[i]), f64::max)
         })
         .fold(0.0, f64::max)
 }

@@ -19,7 +19,6 @@ use meniscus_numerics::grid::{Band, Runs, Sampler};
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_numerics::{Vector, par};
-use rayon::prelude::*;
 use thiserror::Error;
 
 /// A region of liquid at the start.
@@ -143,7 +142,7 @@ impl<const D: usize> Simulation<D> {
         state.solids = model.initial_solids();
         let limit = BAND_WIDTH_CELLS * grid.dx;
         let lattice = grid.lattice();
-        state.phi.data.par_iter_mut().enumerate().for_each(|(i, value)| {
+        par::for_each_mut(&mut state.phi.data, 1, |i, value| {
             let x = model.mirrored(&grid.center(lattice.coordinates(i)));
             let distance = regions.iter().map(|b| (b.signed_distance)(&x)).fold(f64::INFINITY, f64::min);
             *value = distance.max(model.open_side_distance(&x)).clamp(-limit, limit);
@@ -168,9 +167,11 @@ impl<const D: usize> Simulation<D> {
     /// Clamps φ beyond the band, as every step does.
     fn clamp_phi_beyond_band(&mut self) {
         let (work, limit) = (&self.workspace, BAND_WIDTH_CELLS * self.model.grid.dx);
-        let deep =
-            self.state.phi.data.par_iter_mut().enumerate().filter(|(c, _)| work.band.slot(*c).is_none());
-        deep.for_each(|(_, value)| *value = limit.copysign(*value));
+        par::for_each_mut(&mut self.state.phi.data, 256, |cell, value| {
+            if work.band.slot(cell).is_none() {
+                *value = limit.copysign(*value);
+            }
+        });
     }
 
     /// Redistances φ where sides wet: liquid may end at a side, where there is no interface.

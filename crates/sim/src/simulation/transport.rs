@@ -17,7 +17,6 @@ use crate::state::State;
 use meniscus_numerics::grid::{Runs, Sampler, Segment, scatter_segments};
 use meniscus_numerics::level_set::{interface_gradient_norm, redistance};
 use meniscus_numerics::{Vector, par};
-use rayon::prelude::*;
 
 /// Layers of the band in which the curvature is computed.
 pub const CURVATURE_LAYERS: usize = 5;
@@ -89,7 +88,8 @@ pub fn restore_signed_distance<const D: usize>(model: &Model<D>, state: &mut Sta
         (interface_gradient_norm(&model.grid, &state.phi.data, &sampler, c as usize) - 1.0).abs()
             > GRADIENT_NORM_TOLERANCE
     };
-    let count = first_layer.par_iter().filter(|c| outside(**c) && is_not_distance(**c)).count();
+    let wrong = |i: usize| (outside(first_layer[i]) && is_not_distance(first_layer[i])).then_some(());
+    let count = par::filter_map(first_layer.len(), 1, wrong).len();
     let full_band = state.displacement_since_redistancing > REDISTANCE_DISPLACEMENT_CELLS
         || count * 100 > first_layer.len();
     let layers = if full_band { BAND_LAYERS } else { REDISTANCE_LAYERS };
@@ -121,23 +121,20 @@ pub fn interface_displacements<const D: usize>(
 ) -> Vec<InterfaceDisplacement<D>> {
     let sampler = Sampler::cells(&model.grid, &state.phi.data, model.scalar_boundary());
     let lattice = model.grid.lattice();
-    work.band.cells[work.band.first_layers(CURVATURE_LAYERS)]
-        .par_iter()
-        .map(|&c| {
-            let at = lattice.coordinates(c as usize);
-            let mut displacement_cells = Vector::zeros();
-            for a in 0..D {
-                let faces = model.grid.face_lattice(a);
-                let f = faces.index(at);
-                let u = 0.5 * (state.velocity.axes[a][f] + state.velocity.axes[a][f + faces.stride[a]]);
-                displacement_cells[a] = u * dt / model.grid.dx;
-            }
-            InterfaceDisplacement {
-                normal: sampler.gradient(at).try_normalize(0.0).unwrap_or(Vector::zeros()),
-                displacement_cells,
-            }
-        })
-        .collect()
+    par::map_slice(&work.band.cells[work.band.first_layers(CURVATURE_LAYERS)], 1, |&c| {
+        let at = lattice.coordinates(c as usize);
+        let mut displacement_cells = Vector::zeros();
+        for a in 0..D {
+            let faces = model.grid.face_lattice(a);
+            let f = faces.index(at);
+            let u = 0.5 * (state.velocity.axes[a][f] + state.velocity.axes[a][f + faces.stride[a]]);
+            displacement_cells[a] = u * dt / model.grid.dx;
+        }
+        InterfaceDisplacement {
+            normal: sampler.gradient(at).try_normalize(0.0).unwrap_or(Vector::zeros()),
+            displacement_cells,
+        }
+    })
 }
 
 /// Advects the velocity to the faces of the new liquid.

@@ -14,8 +14,7 @@ use meniscus_numerics::grid::{
     Band, CellField, CutCells, FaceField, Grid, Run, Runs, Sampler, Segment, Tiles, VelocityExtension,
     lattice_points,
 };
-use meniscus_numerics::{Matrix, Vector};
-use rayon::prelude::*;
+use meniscus_numerics::{Matrix, Vector, par};
 use std::sync::Arc;
 
 /// Excess of the depth midway between two cells over their mean depth, in cells, above which they are on either side of a thin solid. On
@@ -374,7 +373,7 @@ fn impose_slip_velocity<const D: usize>(
             let [normal, velocity] = solid.normal_and_velocity(&x, 0.01 * model.grid.dx);
             Some(u[a] - normal[a] * (u - velocity).dot(&normal))
         };
-        shut[a].par_iter().with_min_len(64).map(slipping).collect()
+        par::map_slice(&shut[a], 64, slipping)
     });
     for a in 0..D {
         let faces = shut[a].iter().zip(&new[a]);
@@ -423,14 +422,14 @@ impl<const D: usize> Snapshot<D> {
     pub fn take(model: &Model<D>, state: &mut State<D>, workspace: &mut Workspace<D>) -> Self {
         workspace.overwritten_phi.clear();
         let band_cells = workspace.band.cells.clone();
-        let phi = band_cells.par_iter().map(|&c| state.phi.data[c as usize]).collect();
+        let phi = par::map_slice(&band_cells, 256, |&c| state.phi.data[c as usize]);
         let velocity = std::array::from_fn(|a| {
             let row = model.grid.face_lattice(a).extent[0];
             let values = |s: &Segment| {
                 let at = s.row * row + s.start;
                 (at, state.velocity.axes[a][at..at + s.end - s.start].to_vec())
             };
-            workspace.known_faces.liquid_faces()[a].par_iter().with_min_len(64).map(values).collect()
+            par::map_slice(&workspace.known_faces.liquid_faces()[a], 64, values)
         });
         let whole = workspace.paper.is_some().then(|| state.clone());
         let fields = state.take_fields();

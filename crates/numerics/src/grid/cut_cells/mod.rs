@@ -15,7 +15,6 @@ use self::positive_part::{positive_edge_part, positive_square_part};
 use super::boxes::{box_rows, face_box, fill_box, segment_points};
 use super::{FaceField, Grid, Lattice, Tiles};
 use crate::{Aabb, Matrix, Vector, par, rotation_planes};
-use rayon::prelude::*;
 
 /// Open fractions closer than this to 0 or 1 are rounded to it: the flow through such a gap is not worth its stiffness.
 const MIN_OPEN_FRACTION: f64 = 1e-4;
@@ -263,8 +262,10 @@ impl<const D: usize> CutCells<D> {
                     && tiles.is_active_face(a, *at)
                     && self.face_depth_cells(a, *at) < MAX_CLOSED_FACE_DEPTH_CELLS
             };
-            let of_row = |s| segment_points(&lattice, s).filter(is_near).map(|at| lattice.index(at) as u32);
-            let near: Vec<u32> = rows.par_iter().flat_map_iter(of_row).collect();
+            let near = par::flat_map(rows.len(), 1, |row, near| {
+                let points = segment_points(&lattice, &rows[row]).filter(is_near);
+                near.extend(points.map(|at| lattice.index(at) as u32));
+            });
             self.closed_faces[a].extend(near);
             self.open_fraction.axes[a] = shares;
         }
@@ -296,8 +297,11 @@ impl<const D: usize> CutCells<D> {
             let solid = self.nearest_solid(at, solids)?;
             Some(CutCell { cell: lattice.index(at) as u32, solid, area_vector, moment, first_moment })
         };
-        let of_row = |s| segment_points(&lattice, s).filter(|at| tiles.is_active(*at)).filter_map(wet);
-        box_rows(&lattice, cells).par_iter().flat_map_iter(of_row).collect()
+        let rows = box_rows(&lattice, cells);
+        par::flat_map(rows.len(), 1, |row, found| {
+            let points = segment_points(&lattice, &rows[row]).filter(|at| tiles.is_active(*at));
+            found.extend(points.filter_map(wet));
+        })
     }
 
     /// Integrals over the wetted surface in a cell, from the open parts of its faces. `None` where they are rounding errors.

@@ -10,7 +10,7 @@ use crate::grid::{CellField, Grid, Run, Runs};
 use crate::linalg::krylov::conjugate_gradient_with_workspace;
 use crate::linalg::operator::{LinearOperator, Preconditioner, SolveError, SolveLimits, SolveReport};
 use crate::linalg::vectors;
-use rayon::prelude::*;
+use crate::par;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -214,7 +214,7 @@ impl<const D: usize> PressureSolver<D> {
             jobs.push((chunk, done, part));
             (rest, done) = (tail, (last.row as usize + 1) * row);
         }
-        jobs.into_par_iter().for_each(|(chunk, offset, part)| {
+        par::map_jobs(jobs, |(chunk, offset, part)| {
             self.for_each_block(chunk, |start, mask, at, parity| {
                 let (first, second) = (
                     &vector[at..at + LANES],

@@ -18,7 +18,7 @@ use crate::Vector;
 use crate::grid::{CellField, Run, Runs};
 use crate::mesh::SurfaceMesh;
 use crate::mesh::isosurface::{LIQUID_AIR, LIQUID_SOLID};
-use rayon::prelude::*;
+use crate::par;
 
 /// Rows of cubes scanned by one task.
 const CUBE_ROWS_PER_TASK: usize = 32;
@@ -47,10 +47,7 @@ impl<const D: usize> Isosurface<D> {
 /// Where neighbouring cells differ in `liquid` but not in the sign of `phi`, the surface crosses midway.
 pub fn extract_isosurface<const D: usize>(phi: &CellField<D>, liquid: &Runs) -> Isosurface<D> {
     let rows = CellRows::new(phi, liquid);
-    let blocks: Vec<Block> = (0..rows.count().div_ceil(CUBE_ROWS_PER_TASK))
-        .into_par_iter()
-        .map(|b| rows.active_cubes_of(b))
-        .collect();
+    let blocks = par::map(rows.count().div_ceil(CUBE_ROWS_PER_TASK), 1, |b| rows.active_cubes_of(b));
     let mut cubes = ActiveCubes { first: vec![0], ..ActiveCubes::default() };
     cubes.corners.reserve_exact(blocks.iter().map(|b| b.corners.len()).sum());
     for block in &blocks {
@@ -60,10 +57,8 @@ pub fn extract_isosurface<const D: usize>(phi: &CellField<D>, liquid: &Runs) -> 
         cubes.runs.extend(block.runs.iter().map(|s| CubeRun { vertex: s.vertex + base, ..*s }));
         cubes.first.extend(block.ends.iter().map(|&e| e + from));
     }
-    let parts: Vec<DualFaces<D>> =
-        (0..blocks.len()).into_par_iter().map(|b| rows.dual_faces_of(b, &cubes)).collect();
-    let vertices: Vec<Vec<(Vector<D>, u8)>> =
-        (0..blocks.len()).into_par_iter().map(|b| rows.dual_vertices_of(b, &cubes)).collect();
+    let parts = par::map(blocks.len(), 1, |b| rows.dual_faces_of(b, &cubes));
+    let vertices = par::map(blocks.len(), 1, |b| rows.dual_vertices_of(b, &cubes));
     assemble(vertices, parts)
 }
 
@@ -78,10 +73,9 @@ fn assemble<const D: usize>(vertices: Vec<Vec<(Vector<D>, u8)>>, parts: Vec<Dual
         out.vertex_kind.push(kind);
     }
     let positions = &out.mesh.positions;
-    let cut: Vec<Vec<([u32; D], u8)>> = parts
-        .par_iter()
-        .map(|p| p.iter().flat_map(|&(v, kind)| triangulate(positions, v, kind)).collect())
-        .collect();
+    let cut: Vec<Vec<([u32; D], u8)>> = par::map_slice(&parts, 1, |p| {
+        p.iter().flat_map(|&(v, kind)| triangulate(positions, v, kind)).collect()
+    });
     let count = cut.iter().map(Vec::len).sum();
     out.mesh.facets.reserve_exact(count);
     out.facet_kind.reserve_exact(count);

@@ -3,11 +3,10 @@
 use super::volumes::{elements, fields};
 use super::{Attribute, Frame, FrameMesh, FrameParts};
 use crate::job::padded_to_3d;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Sampler};
 use meniscus_numerics::mesh::{SurfaceMesh, isosurface};
+use meniscus_numerics::{Vector, par};
 use meniscus_sim::{ContactLine, LinePoint, LineTracker, Model, Simulation, SolidView};
-use rayon::prelude::*;
 use thiserror::Error;
 
 /// Distance, in cells, up to which a vertex of the liquid's surface lies on a solid's surface or on the contact line. It is the accuracy
@@ -90,10 +89,11 @@ impl<const D: usize> FrameExtractor<D> {
 /// [`NotFinite`] if a field or the surface is not finite.
 pub fn liquid_surface<const D: usize>(simulation: &Simulation<D>) -> Result<FrameMesh, NotFinite> {
     let state = &simulation.state;
-    if !state.phi.data.par_iter().all(|v| v.is_finite()) {
+    let is_finite = |values: &[f64]| par::all(values.len(), 4096, |i| values[i].is_finite());
+    if !is_finite(&state.phi.data) {
         return Err(NotFinite { what: "signed distance" });
     }
-    if !state.velocity.axes.iter().all(|axis| axis.par_iter().all(|v| v.is_finite())) {
+    if !state.velocity.axes.iter().all(|axis| is_finite(axis)) {
         return Err(NotFinite { what: "velocity" });
     }
     let mut surface = match simulation.model.solids.is_empty() {
@@ -119,8 +119,10 @@ pub fn liquid_surface<const D: usize>(simulation: &Simulation<D>) -> Result<Fram
 fn phi_outside_solids<const D: usize>(simulation: &Simulation<D>) -> CellField<D> {
     let mut field = simulation.state.phi.clone();
     let (grid, lattice) = (simulation.model.grid, simulation.model.grid.lattice());
-    field.data.par_iter_mut().enumerate().filter(|(_, v)| **v < grid.dx).for_each(|(i, value)| {
-        *value = value.max(-simulation.distance_to_solids(&grid.center(lattice.coordinates(i))));
+    par::for_each_mut(&mut field.data, 256, |i, value| {
+        if *value < grid.dx {
+            *value = value.max(-simulation.distance_to_solids(&grid.center(lattice.coordinates(i))));
+        }
     });
     field
 }
@@ -131,7 +133,8 @@ fn classify_vertices<const D: usize>(simulation: &Simulation<D>, positions: &[Ve
     }
     let (model, near) = (&simulation.model, ON_SURFACE_CELLS * simulation.model.grid.dx);
     let phi = Sampler::cells(&model.grid, &simulation.state.phi.data, model.scalar_boundary());
-    positions.par_iter().zip(kind).for_each(|(x, kind)| {
+    par::for_each_mut(kind, 64, |i, kind| {
+        let x = &positions[i];
         if simulation.distance_to_solids(x) < near {
             *kind = if phi.linear(x) > -near { isosurface::CONTACT_LINE } else { isosurface::LIQUID_SOLID };
         }
@@ -182,7 +185,7 @@ fn young_angles<const D: usize>(simulation: &Simulation<D>, number: usize, point
         return Vec::new();
     }
     let cosine = |x: &Vector<D>| solid.young_cosine_near(x, simulation.model.grid.dx);
-    points.par_iter().map(|x| cosine(x).clamp(-1.0, 1.0).acos().to_degrees()).collect()
+    par::map_slice(points, 16, |x| cosine(x).clamp(-1.0, 1.0).acos().to_degrees())
 }
 
 /// The contact line: vertices with angle, speed, force per length and the number of the solid; in 3D with edges.

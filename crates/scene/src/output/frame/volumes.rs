@@ -3,9 +3,8 @@
 use super::{Attribute, FrameElements, FrameFields};
 use crate::job::padded_to_3d;
 use meniscus_numerics::mesh::Simplex;
-use meniscus_numerics::{Matrix, Vector};
+use meniscus_numerics::{Matrix, Vector, par};
 use meniscus_sim::{Simulation, SolidView};
-use rayon::prelude::*;
 
 /// The elements of a solid with displacement, velocity, strain and stress; `None` of a rigid one.
 pub(super) fn elements<const D: usize>(solid: SolidView<'_, D>) -> Option<FrameElements> {
@@ -57,7 +56,7 @@ pub(super) fn fields<const D: usize>(simulation: &Simulation<D>) -> FrameFields 
     let has_pressure = state.impulse_time > 0.0;
     let pressure = |cell| if has_pressure { state.pressure(model.density, cell) } else { 0.0 };
     let cells = lattice.len();
-    let velocities: Vec<[f64; 3]> = (0..cells).into_par_iter().map(velocity).collect();
+    let velocities = par::map(cells, 256, velocity);
     let unit = if D == 2 { "N/m" } else { "Pa" };
     FrameFields {
         extent: std::array::from_fn(|a| lattice.extent.get(a).copied().unwrap_or(1)),

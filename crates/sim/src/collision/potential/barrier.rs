@@ -23,8 +23,7 @@ use crate::collision::broad_phase::CandidatePairs;
 use crate::collision::configuration::Configuration;
 use crate::collision::points::{PointOwner, SdfPair};
 use meniscus_contact::{Barrier, Contact};
-use meniscus_numerics::Vector;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Fraction of the softer solid's Young's modulus in the barrier stiffness. At a strain of a tenth half the gap is left.
 const ELASTIC_STIFFNESS_FRACTION: f64 = 0.1;
@@ -223,8 +222,7 @@ impl<'a, const D: usize> Potential<'a, D> {
             })
         };
         let contacts = self.active_contacts(candidates, felt);
-        let mut terms: Vec<PotentialTerm<D>> =
-            contacts.par_iter().with_min_len(32).filter_map(of_contact).collect();
+        let mut terms = par::filter_map(contacts.len(), 32, |i| of_contact(&contacts[i]));
         for m in &candidates.sdf_pairs {
             let Some(SdfContact { point, distance, normal, other }) = self.active_sdf_contact(m, felt) else {
                 continue;

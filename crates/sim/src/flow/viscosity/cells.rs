@@ -4,6 +4,7 @@ use super::operator::Neighbours;
 use super::{AIR_LAYERS, Diffusion, FULL_CELL_DISTANCE_CELLS};
 use crate::model::Model;
 use meniscus_numerics::grid::{Lattice, Segment};
+use meniscus_numerics::par;
 use rayon::prelude::*;
 
 /// Listed cells of a lattice that has one more cell along each axis than the grid, so that every face is the lower face of one of its
@@ -50,7 +51,7 @@ impl<const D: usize> CellList<D> {
     pub fn coarsened(&self) -> Self {
         let lattice = Lattice::new(self.lattice.extent.map(|n| n / 2 + 1));
         let parent = |p: &u32| lattice.index(self.lattice.coordinates(*p as usize).map(|x| x / 2)) as u32;
-        let mut list: Vec<u32> = self.list[1..].par_iter().map(parent).collect();
+        let mut list = par::map_slice(&self.list[1..], 256, parent);
         list.par_sort_unstable();
         list.dedup();
         list.insert(0, 0);

@@ -6,8 +6,7 @@
 
 use super::cells::{CellList, tensor_product};
 use super::operator::{CELLS_PER_TASK, Cell, ViscousOperator};
-use meniscus_numerics::rotation_planes;
-use rayon::prelude::*;
+use meniscus_numerics::{par, rotation_planes};
 
 /// Largest `ν h/Δ²` of the coarsest grid, and of systems that need none: there polynomials alone take as long.
 pub const COARSEST_STIFFNESS: f64 = 3.0;
@@ -50,13 +49,12 @@ impl<const D: usize> ViscousSystem<D> {
     fn coarsened(&self) -> Self {
         let (stiffness, cells) = (self.stiffness / 4.0, self.cells.coarsened());
         let coarsening = Coarsening::new(self, &cells);
-        let of_cells = (0..cells.count()).into_par_iter().with_min_len(CELLS_PER_TASK);
-        let is_unknown: Vec<[bool; D]> = of_cells.clone().map(|i| coarsening.unknown_faces(i)).collect();
-        let coefficients = of_cells.clone().map(|i| coarsening.cell(&is_unknown, i, stiffness));
-        let coefficients: Vec<Cell<D>> = coefficients.collect();
+        let count = cells.count();
+        let is_unknown = par::map(count, CELLS_PER_TASK, |i| coarsening.unknown_faces(i));
+        let coefficients = par::map(count, CELLS_PER_TASK, |i| coarsening.cell(&is_unknown, i, stiffness));
         let full: Vec<bool> = coefficients.iter().map(|cell| cell.is_full(stiffness)).collect();
         let beside_full = |cell: &Cell<D>| cell.next.iter().flatten().all(|n| full[*n as usize]);
-        let deep: Vec<bool> = of_cells.map(|i| full[i] && beside_full(&coefficients[i])).collect();
+        let deep = par::map(count, CELLS_PER_TASK, |i| full[i] && beside_full(&coefficients[i]));
         let operator = ViscousOperator::new(&deep, |i| coefficients[i].next, |i| coefficients[i], stiffness);
         Self { cells, operator, stiffness }
     }

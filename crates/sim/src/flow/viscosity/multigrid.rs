@@ -18,7 +18,6 @@ use super::operator::CELLS_PER_TASK;
 use meniscus_numerics::grid::Segment;
 use meniscus_numerics::linalg::{Chebyshev, ChebyshevWork, Jacobi, Preconditioner, dot};
 use meniscus_numerics::par;
-use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// Largest eigenvalue of the operator divided by its diagonal: a term of `Φ` has at most four faces, all of the same coefficient.
@@ -181,7 +180,9 @@ impl<'a, const D: usize> Level<'a, D> {
 
     /// The right-hand side of the coarse system for a residual, which is changed.
     fn restrict(&self, coarse: &Self, residual: &mut [f32], b: &mut [f32]) {
-        residual.par_iter_mut().zip(&self.scales).with_min_len(CELLS_PER_TASK).for_each(|(r, s)| *r *= s);
+        par::map_chunks_mut([&mut *residual], CELLS_PER_TASK, |range, [residual]| {
+            residual.iter_mut().zip(&self.scales[range]).for_each(|(r, s)| *r *= s);
+        });
         let fine: [&[f32]; D] = std::array::from_fn(|a| self.component(residual, a));
         let weights: [Vec<f32>; D] = std::array::from_fn(|axis| {
             let along = |a: usize| if a == axis { NORMAL_TRANSPOSE } else { ACROSS_TRANSPOSE };
@@ -204,8 +205,10 @@ impl<'a, const D: usize> Level<'a, D> {
 
     /// Adds the correction of the coarse system, of which the values that take no part are cleared.
     fn correct(&self, coarse: &Self, correction: &mut [f32], x: &mut [f32]) {
-        let corrects = correction.par_iter_mut().zip(&coarse.corrects).with_min_len(CELLS_PER_TASK);
-        corrects.filter(|(_, corrects)| !**corrects).for_each(|(value, _)| *value = 0.0);
+        par::map_chunks_mut([&mut *correction], CELLS_PER_TASK, |range, [correction]| {
+            let corrects = correction.iter_mut().zip(&coarse.corrects[range]);
+            corrects.filter(|(_, corrects)| !**corrects).for_each(|(value, _)| *value = 0.0);
+        });
         let values: [&[f32]; D] = std::array::from_fn(|a| coarse.component(correction, a));
         let scales: [&[f32]; D] = std::array::from_fn(|a| self.component(&self.scales, a));
         let (cells, weights) = (&self.system.cells, correction_weights::<D>());

@@ -8,7 +8,6 @@
 
 use meniscus_numerics::linalg::{Jacobi, LinearOperator, Real, dot_serial};
 use meniscus_numerics::{grid::Segment, par, rotation_planes};
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -106,15 +105,14 @@ impl<const D: usize> ViscousOperator<D> {
     ) -> Self {
         let count = deep.len();
         let mut stored: Vec<bool> = deep.iter().map(|deep| !deep).collect();
-        let general = (0..count).into_par_iter().with_min_len(CELLS_PER_TASK).filter(|i| !deep[*i]);
-        let beside: Vec<Neighbours<D>> = general.map(&next).collect();
+        let beside = par::filter_map(count, CELLS_PER_TASK, |i| (!deep[i]).then(|| next(i)));
         beside.as_flattened().as_flattened().iter().for_each(|n| stored[*n as usize] = true);
         let (mut list, mut place) = (Vec::new(), vec![0; count]);
         for i in (0..count).filter(|i| stored[*i]) {
             place[i] = list.len() as u32;
             list.push(i);
         }
-        let cells = list.par_iter().with_min_len(CELLS_PER_TASK).map(|i| coefficients(*i)).collect();
+        let cells = par::map_slice(&list, CELLS_PER_TASK, |i| coefficients(*i));
         let strained = equal_ranges(&stored).into_iter().filter(|r| stored[r.start]);
         let strained = strained.map(|r| Segment { row: place[r.start] as usize, start: r.start, end: r.end });
         let strained = strained.collect();

@@ -33,10 +33,9 @@ use crate::paper::Tensions;
 use crate::paper::fluid::cells::{CellTypes, FaceType};
 use crate::paper::fluid::fractions::phi_at_face;
 use crate::paper::fluid::surface_shape::SurfaceShape;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::mesh::SurfaceMesh;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Points of the three interfaces, m.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -99,7 +98,7 @@ impl<const D: usize> InterfaceSamples<D> {
             vertices.filter(|(_, phi)| keep(**phi)).map(|(x, _)| *x).collect()
         };
         Self {
-            liquid_air: faces.into_par_iter().filter_map(closest).collect(),
+            liquid_air: par::filter_map(faces.len(), 1, |i| closest(faces[i])),
             liquid_solid: of_side(&|phi| phi < 0.0),
             solid_air: of_side(&|phi| phi > 0.0),
         }
@@ -137,9 +136,8 @@ impl<const D: usize> InterfaceSamples<D> {
         tensions: &(dyn Fn(&Vector<D>) -> Tensions + Sync),
         shape: Option<&SurfaceShape<'_, D>>,
     ) -> (Vec<LineForce<D>>, u64) {
-        let particles = line.particles.par_iter();
         let force = |p: &LineParticle<D>| self.force(p, radius, &tensions(&p.at), shape);
-        let forces: Vec<LineForce<D>> = particles.map(force).collect();
+        let forces = par::map_slice(&line.particles, 1, force);
         let degenerate = forces.iter().flat_map(|f| &f.tangents).filter(|t| t.is_none()).count();
         (forces, degenerate as u64)
     }

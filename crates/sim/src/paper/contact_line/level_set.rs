@@ -16,9 +16,8 @@
 //! distance `s` from the line is `s` up to 90 degrees and `s sin θ` beyond, where the surface overhangs the dry solid: there the line lies
 //! `ε (1/sin θ − 1)` too far out.
 
-use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::{Contour, Geodesic, SurfaceMesh};
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Offset `ε`, in cells.
 pub const OFFSET_CELLS: f64 = 1.0;
@@ -35,7 +34,7 @@ pub fn contact_line_level_set<const D: usize>(
     phi: &(dyn Fn(&Vector<D>) -> f64 + Sync),
     [dx, offset]: [f64; 2],
 ) -> Vec<f64> {
-    let enlarged: Vec<f64> = mesh.positions.par_iter().with_min_len(256).map(|x| phi(x) - offset).collect();
+    let enlarged = par::map_slice(&mesh.positions, 256, |x| phi(x) - offset);
     let contour = Contour::of(&mesh.facets, &enlarged);
     let mut level_set = geodesic.distance(mesh, &contour, &enlarged, BAND_CELLS * dx);
     level_set.iter_mut().for_each(|value| *value += offset);

@@ -1,7 +1,7 @@
 //! Sparse matrices in rows; products and sums are in an order that does not depend on the number of threads.
 
 use meniscus_numerics::linalg::LinearOperator;
-use rayon::prelude::*;
+use meniscus_numerics::par;
 
 /// Least number of rows of a task.
 const ROWS_PER_TASK: usize = 256;
@@ -117,7 +117,7 @@ impl LinearOperator for SparseMatrix {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64]) {
-        y.par_iter_mut().enumerate().with_min_len(ROWS_PER_TASK).for_each(|(i, y)| {
+        par::for_each_mut(y, ROWS_PER_TASK, |i, y| {
             *y = self.row(i).iter().map(|(j, value)| value * x[*j as usize]).sum();
         });
     }

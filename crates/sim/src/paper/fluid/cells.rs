@@ -4,9 +4,8 @@
 //! (Section 5.1). Faces are named after the cells on their two sides. Limit: solids are staircases of whole cells.
 
 use crate::model::Wall;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Type of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,16 +62,16 @@ impl<const D: usize> CellTypes<D> {
         solid_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
     ) -> Self {
         let lattice = grid.lattice();
-        let of = |(cell, phi): (usize, &f64)| {
+        let of = |cell: usize| {
             if solid_distance(&grid.center(lattice.coordinates(cell))) < 0.0 {
                 CellType::Solid
-            } else if *phi < 0.0 {
+            } else if phi[cell] < 0.0 {
                 CellType::Liquid
             } else {
                 CellType::Air
             }
         };
-        Self { grid, walls, types: phi.par_iter().enumerate().with_min_len(256).map(of).collect() }
+        Self { grid, walls, types: par::map(phi.len(), 256, of) }
     }
 
     /// The grid.
@@ -130,11 +129,10 @@ impl<const D: usize> CellTypes<D> {
 
     /// Faces of a type, in order.
     pub fn faces_of(&self, of: FaceType) -> Vec<Face> {
-        let along = |axis: usize| {
-            let count = self.grid.face_lattice(axis).len();
-            (0..count).into_par_iter().with_min_len(256).map(move |index| Face { axis, index })
+        let found = |axis: usize| {
+            let face = |index| Some(Face { axis, index }).filter(|f| self.face(*f) == of);
+            par::filter_map(self.grid.face_lattice(axis).len(), 256, face)
         };
-        let found = |axis| along(axis).filter(|f| self.face(*f) == of).collect::<Vec<_>>();
         (0..D).flat_map(found).collect()
     }
 

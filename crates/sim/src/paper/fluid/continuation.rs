@@ -13,9 +13,8 @@
 //! Limit: curvatures are taken from above the solid ([`SurfaceShape`]), since beside it they would follow from the continuation.
 
 use super::surface_shape::SurfaceShape;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::CellField;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Heights above the solid, in cells, of the two samples; beside a flat solid along the grid no cell of their cubic stencils is solid.
 const SAMPLE_HEIGHTS_CELLS: [f64; 2] = [2.0, 3.0];
@@ -32,19 +31,18 @@ pub fn continue_into_solids<const D: usize>(
     limit: f64,
 ) -> CellField<D> {
     let (grid, lattice) = (field.grid, field.grid.lattice());
-    let of = |(cell, old): (usize, &f64)| {
+    let of = |cell: usize| {
         let x = grid.center(lattice.coordinates(cell));
         let depth = -distance(&x) / grid.dx;
         if depth <= 0.0 {
-            *old
+            field.data[cell]
         } else if depth > MAX_DEPTH_CELLS {
             limit
         } else {
             continuation(shape, &x, depth).clamp(-limit, limit)
         }
     };
-    let data = field.data.par_iter().enumerate().with_min_len(256).map(of).collect();
-    CellField { grid, data }
+    CellField { grid, data: par::map(field.data.len(), 256, of) }
 }
 
 /// The continuation at a point (m) at a depth, in cells; m.

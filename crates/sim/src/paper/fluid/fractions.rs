@@ -5,10 +5,9 @@
 //! no solid ([`closed_along_solids`]).
 
 use super::cells::{CellTypes, Face};
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Grid, Sampler};
 use meniscus_numerics::shape::plane_box_fraction;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Ends the liquid at the solids: the larger of `phi` and minus the signed distance to the solids, m. Where both are distances, the
 /// result is one near the surface. The part of its zero set that lies on solids is the liquid–solid interface of Fig. 5.
@@ -18,8 +17,7 @@ pub fn closed_along_solids<const D: usize>(
     solid_distance: &(dyn Fn(&Vector<D>) -> f64 + Sync),
 ) -> Vec<f64> {
     let lattice = grid.lattice();
-    let of = |(c, phi): (usize, &f64)| phi.max(-solid_distance(&grid.center(lattice.coordinates(c))));
-    phi.par_iter().enumerate().with_min_len(256).map(of).collect()
+    par::map(phi.len(), 256, |c| phi[c].max(-solid_distance(&grid.center(lattice.coordinates(c)))))
 }
 
 /// The level set at the centre of a face, m, and its differences per cell.
@@ -62,5 +60,5 @@ pub fn virtual_density<const D: usize>(
         let at = lattice.coordinates(cell);
         liquid * cell_fraction(phi, grid, at) + solid * cell_fraction(solid_distance, grid, at)
     };
-    (0..lattice.len()).into_par_iter().with_min_len(256).map(of).collect()
+    par::map(lattice.len(), 256, of)
 }

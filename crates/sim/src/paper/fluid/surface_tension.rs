@@ -31,12 +31,11 @@ use super::fractions::phi_at_face;
 use super::interfaces::{Interface, interface_at};
 use super::surface_shape::SurfaceShape;
 use crate::paper::{Errata, Tensions};
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{FaceField, Grid, Lattice};
 use meniscus_numerics::linalg::{
     Jacobi, LinearOperator, SolveError, SolveLimits, SolveReport, conjugate_gradient,
 };
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 use std::f64::consts::PI;
 
 /// Half the width `ε` of the band, in cells.
@@ -117,8 +116,7 @@ impl<const D: usize> SurfaceTension<'_, D> {
     /// The faces of the band normal to an axis, in order, those on closed sides left out.
     pub fn band(&self, axis: usize) -> Vec<BandFace> {
         let count = self.types.grid().face_lattice(axis).len();
-        let faces = (0..count).into_par_iter().with_min_len(256);
-        faces.filter_map(|index| self.band_face(Face { axis, index })).collect()
+        par::filter_map(count, 256, |index| self.band_face(Face { axis, index }))
     }
 
     /// Whether a face between two solid cells counts for none of its neighbours.
@@ -144,7 +142,8 @@ impl<const D: usize> SurfaceTension<'_, D> {
                 || self.tensions.liquid_air * self.shape.curvature(&self.types.center(face)) * step;
             (step > 0.0).then(|| (face, sign * pressure() * grid.face_area() * self.dt))
         };
-        self.types.faces_of(FaceType::LiquidSolid).into_par_iter().filter_map(of).collect()
+        let faces = self.types.faces_of(FaceType::LiquidSolid);
+        par::filter_map(faces.len(), 1, |i| of(faces[i]))
     }
 
     /// The level set in the cells below and above a face, m.
@@ -236,7 +235,7 @@ impl<const D: usize> BandDiffusion<D> {
     fn new(lattice: Lattice<D>, band: Vec<BandFace>, skipped: &(dyn Fn(usize) -> bool + Sync)) -> Self {
         let mut slots = vec![0; lattice.len()];
         band.iter().enumerate().for_each(|(i, face)| slots[face.index] = i as u32 + 1);
-        let skipped: Vec<bool> = (0..lattice.len()).into_par_iter().with_min_len(256).map(skipped).collect();
+        let skipped = par::map(lattice.len(), 256, skipped);
         let mut system = Self { lattice, band, slots, diagonal: Vec::new(), skipped };
         let of = |face: &BandFace| 1.0 / face.diffusion_cells + system.neighbours(face.index).count() as f64;
         system.diagonal = system.band.iter().map(of).collect();
@@ -252,7 +251,7 @@ impl<const D: usize> BandDiffusion<D> {
             let known = self.neighbours(face.index).filter(|n| self.slots[*n] == 0);
             values[face.index] / face.diffusion_cells + known.map(|n| values[n]).sum::<f64>()
         };
-        self.band.par_iter().with_min_len(256).map(of).collect()
+        par::map_slice(&self.band, 256, of)
     }
 }
 
@@ -262,7 +261,7 @@ impl<const D: usize> LinearOperator for BandDiffusion<D> {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64]) {
-        y.par_iter_mut().enumerate().with_min_len(256).for_each(|(i, y)| {
+        par::for_each_mut(y, 256, |i, y| {
             let slots = self.neighbours(self.band[i].index).map(|n| self.slots[n] as usize);
             let around: f64 = slots.filter(|slot| *slot > 0).map(|slot| x[slot - 1]).sum();
             *y = self.diagonal[i] * x[i] - around;

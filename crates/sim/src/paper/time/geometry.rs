@@ -10,10 +10,9 @@ use crate::paper::fluid::continuation::continue_into_solids;
 use crate::paper::fluid::fractions::{cell_fraction, closed_along_solids};
 use crate::paper::fluid::surface_shape::{SolidSide, SurfaceShape};
 use crate::solid::{SolidState, SolidSurfaces, Solids};
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, Sampler};
 use meniscus_numerics::mesh::SurfaceMesh;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// Step of the differences for normals of solids, in cells.
 const NORMAL_STEP_CELLS: f64 = 0.01;
@@ -124,9 +123,8 @@ impl<const D: usize> PaperScheme<D> {
         let grid = &self.model.grid;
         let sampler = Sampler::cells(grid, &phi.data, self.model.scalar_boundary());
         let lattice = grid.lattice();
-        let cells = (0..lattice.len()).into_par_iter().with_min_len(256);
-        let fractions: Vec<f64> =
-            cells.map(|cell| cell_fraction(&sampler, grid, lattice.coordinates(cell))).collect();
+        let fraction = |cell: usize| cell_fraction(&sampler, grid, lattice.coordinates(cell));
+        let fractions = par::map(lattice.len(), 256, fraction);
         fractions.iter().sum::<f64>() * grid.cell_volume()
     }
 }

@@ -5,9 +5,8 @@ use super::scheme::PaperScheme;
 use super::state::PaperState;
 use super::transport::extend_velocity;
 use crate::model::resolution::BAND_WIDTH_CELLS;
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{CellField, FaceField};
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 impl<const D: usize> PaperScheme<D> {
     /// The state at the start, with the liquid's signed distance, m, and velocity, m/s.
@@ -19,7 +18,7 @@ impl<const D: usize> PaperScheme<D> {
         let grid = self.model.grid;
         let (lattice, limit) = (grid.lattice(), BAND_WIDTH_CELLS * grid.dx);
         let mut phi = CellField::new(grid, 0.0);
-        phi.data.par_iter_mut().enumerate().for_each(|(cell, value)| {
+        par::for_each_mut(&mut phi.data, 1, |cell, value| {
             *value = signed_distance(&grid.center(lattice.coordinates(cell))).clamp(-limit, limit);
         });
         let solids = self.model.initial_solids();

@@ -6,10 +6,9 @@
 use crate::flow::paths::departure_point;
 use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS};
 use crate::model::{Model, Wall};
-use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{Band, CellField, FaceField, Runs, Sampler, Tiles, VelocityExtension};
 use meniscus_numerics::level_set::redistance;
-use rayon::prelude::*;
+use meniscus_numerics::{Vector, par};
 
 /// The liquid's cells, and the band around its surface.
 fn liquid_and_band<const D: usize>(model: &Model<D>, phi: &CellField<D>) -> (Runs, Band<D>) {
@@ -64,7 +63,7 @@ pub fn advect_level_set<const D: usize>(
         let x = grid.center(grid.lattice().coordinates(*cell as usize));
         sampler.distance(&departure_point(x, flow.linear(&x), dt, |x| flow.linear(x)))
     };
-    let values: Vec<f64> = band.cells.par_iter().with_min_len(64).map(of).collect();
+    let values = par::map_slice(&band.cells, 64, of);
     let mut after = phi.clone();
     band.cells.iter().zip(values).for_each(|(cell, value)| after.data[*cell as usize] = value);
     after
@@ -81,7 +80,7 @@ pub fn advect_velocity<const D: usize>(
     let mut after = FaceField::zeros(model.grid);
     for axis in 0..D {
         let lattice = model.grid.face_lattice(axis);
-        after.axes[axis].par_iter_mut().enumerate().with_min_len(64).for_each(|(index, value)| {
+        par::for_each_mut(&mut after.axes[axis], 64, |index, value| {
             let at = lattice.coordinates(index);
             if model.on_closed_side(axis, at[axis]) {
                 return;
@@ -99,7 +98,7 @@ pub fn add_viscosity_and_gravity<const D: usize>(model: &Model<D>, velocity: &mu
     let diffusion = model.kinematic_viscosity * dt / (model.grid.dx * model.grid.dx);
     for axis in 0..D {
         let (lattice, old) = (model.grid.face_lattice(axis), velocity.axes[axis].clone());
-        velocity.axes[axis].par_iter_mut().enumerate().with_min_len(256).for_each(|(index, value)| {
+        par::for_each_mut(&mut velocity.axes[axis], 256, |index, value| {
             if model.on_closed_side(axis, lattice.coordinates(index)[axis]) {
                 return;
             }

@@ -11,7 +11,7 @@ use super::level::{
 };
 use super::sweep::{Operands, over_chunks, over_chunks_pair, prolong, restrict, sweep};
 use crate::linalg::operator::Preconditioner;
-use rayon::prelude::*;
+use crate::par;
 use std::sync::{Mutex, PoisonError};
 
 /// Red-black sweeps before and after the coarse-grid correction.
@@ -62,13 +62,13 @@ impl<const D: usize> Hierarchy<D> {
                     aggregate(&fine.layout, &fine.chunks, &kinds, site, general)
                 })
             };
-            chunks.par_iter_mut().for_each(|chunk| set_children(chunk, &layout, &fine.layout));
+            par::for_each_mut(&mut chunks, 1, |_, chunk| set_children(chunk, &layout, &fine.layout));
             levels.push(Level { layout, chunks });
             next = coarser;
         }
         let scale = 1.0 / max_coefficient(&levels[0].chunks);
         for (l, level) in levels.iter_mut().enumerate() {
-            level.chunks.par_iter_mut().for_each(|chunk| round_to_single(chunk, scale, l > 0));
+            par::for_each_mut(&mut level.chunks, 1, |_, chunk| round_to_single(chunk, scale, l > 0));
         }
         work.resize_with(levels.len(), Workspace::default);
         work.iter_mut().zip(&levels).for_each(|(work, level)| work.prepare(&level.layout));
@@ -214,7 +214,7 @@ fn max_coefficient(chunks: &[Chunk]) -> f64 {
         let dirichlet = chunk.dirichlet.iter().flatten().flatten();
         general.chain(dirichlet).copied().chain(uniform).fold(0.0, f64::max)
     };
-    let largest = chunks.par_iter().map(of_chunk).reduce(|| 0.0, f64::max);
+    let largest = par::reduce(chunks.len(), 1, 0.0, |c| of_chunk(&chunks[c]), f64::max);
     if largest > 0.0 { largest } else { 1.0 }
 }
 

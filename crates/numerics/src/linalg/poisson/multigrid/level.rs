@@ -1,7 +1,7 @@
 //! One level of the pressure system: coefficients by spans of blocks, and the loops over them.
 
 use super::layout::{BLOCK_CELLS, LANES, Layout, MAX_SPAN_BLOCKS, ZERO_ENTRY};
-use rayon::prelude::*;
+use crate::par;
 use std::ops::Range;
 
 /// Coefficients of the cells of one colour of a block: toward the lower and upper neighbour along each axis,
@@ -98,7 +98,7 @@ pub fn build_chunks<const D: usize>(
     coefficients: impl Fn(&BlockSite<D>, &mut BlockCoefficients) -> Option<f64> + Sync,
 ) -> Vec<Chunk> {
     let ranges = layout.chunks();
-    ranges.into_par_iter().map(|range| build_chunk(layout, coarse, range, &coefficients)).collect()
+    par::map_jobs(ranges, |range| build_chunk(layout, coarse, range, &coefficients))
 }
 
 fn build_chunk<const D: usize>(

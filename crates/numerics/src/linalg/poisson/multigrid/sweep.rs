@@ -3,7 +3,7 @@
 use super::layout::LANES;
 use super::level::{Chunk, CoefficientPack, DIAGONAL, Span, SpanCoefficients};
 use crate::linalg::Real;
-use rayon::prelude::*;
+use crate::par;
 
 /// Runs `work` on every chunk together with the entries of `out` that belong to it; returns the results in
 /// order.
@@ -19,10 +19,7 @@ pub fn over_chunks<T: Send, R: Send>(
         jobs.push((chunk, &mut part[chunk.entries.start - start..]));
         (rest, start) = (tail, chunk.entries.end);
     }
-    if jobs.len() < 2 {
-        return jobs.into_iter().map(|(chunk, part)| work(chunk, part)).collect();
-    }
-    jobs.into_par_iter().with_max_len(1).map(|(chunk, part)| work(chunk, part)).collect()
+    par::map_jobs(jobs, |(chunk, part)| work(chunk, part))
 }
 
 /// The same with two arrays.
@@ -40,10 +37,7 @@ pub fn over_chunks_pair<T: Send, R: Send>(
         jobs.push((chunk, [&mut part0[skip..], &mut part1[skip..]]));
         (rest0, rest1, start) = (tail0, tail1, chunk.entries.end);
     }
-    if jobs.len() < 2 {
-        return jobs.into_iter().map(|(chunk, parts)| work(chunk, parts)).collect();
-    }
-    jobs.into_par_iter().with_max_len(1).map(|(chunk, parts)| work(chunk, parts)).collect()
+    par::map_jobs(jobs, |(chunk, parts)| work(chunk, parts))
 }
 
 /// Inputs of one entry of a sweep.

@@ -18,7 +18,7 @@
 use crate::Vector;
 use crate::mesh::volume::block::BlockError;
 use crate::mesh::volume::{MeshDefect, Simplex, VolumeMesh};
-use rayon::prelude::*;
+use crate::par;
 use thiserror::Error;
 
 /// Fraction of an edge within which a crossing warps the vertex: long edges, short edges (article, Table 1).
@@ -126,7 +126,7 @@ fn stuff_unchecked<const D: usize>(
 ) -> Result<VolumeMesh<D>, StuffingError> {
     let lattice = PermutohedralLattice::new(lower, upper, edge)?;
     let value = |i: usize| distance(&lattice.position(&lattice.point(i)));
-    let values: Vec<f64> = (0..lattice.len()).into_par_iter().map(value).collect();
+    let values = par::map(lattice.len(), 64, value);
     if let Some(i) = (0..values.len()).find(|i| values[*i] < 0.0 && lattice.at_border(*i)) {
         return Err(StuffingError::Beyond { near: lattice.position(&lattice.point(i)).as_slice().to_vec() });
     }
@@ -279,7 +279,8 @@ impl<const D: usize> EdgeCrossings<D> {
             })
         };
         let from = |i: usize| (1..1usize << D).filter_map(move |along| crossing(i, along));
-        let mut all: Vec<EdgeCrossing<D>> = (0..values.len()).into_par_iter().flat_map_iter(from).collect();
+        let mut all =
+            par::flat_map(values.len(), 64, |i, all: &mut Vec<EdgeCrossing<D>>| all.extend(from(i)));
         all.sort_unstable_by_key(EdgeCrossing::key);
         Self { all }
     }
@@ -347,9 +348,8 @@ impl<'a, const D: usize> Stuffing<'a, D> {
     fn simplices(&self, distance: &Distance<D>) -> Vec<Simplex<D>> {
         const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         let orders = &ORDERS[..if D == 2 { 2 } else { 6 }];
-        let at = |i: usize| {
+        par::flat_map(self.side.len(), 64, |i, out| {
             let q = self.lattice.point(i);
-            let mut out = Vec::new();
             for order in orders {
                 let mut along = 0;
                 let mut vertices = [i as u32; 4];
@@ -360,12 +360,10 @@ impl<'a, const D: usize> Stuffing<'a, D> {
                     next.is_some()
                 });
                 if whole {
-                    self.clip(vertices, distance, &mut out);
+                    self.clip(vertices, distance, out);
                 }
             }
-            out
-        };
-        (0..self.side.len()).into_par_iter().flat_map_iter(at).collect()
+        })
     }
 
     /// Adds the inside part of a simplex (its first `D + 1` vertices).

@@ -7,7 +7,7 @@
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
-use rayon::prelude::*;
+use meniscus_numerics::par;
 use std::collections::BTreeMap;
 use std::io::Write;
 
@@ -118,14 +118,11 @@ impl<T: Stored> Tree<T> {
             std::array::from_fn(|a| ((upper[a] - 1).div_euclid(1 << LEAF) - first[a] + 1).max(0) as usize);
         let is_within = |at: Coordinates| (0..3).all(|a| at[a] >= lower[a] && at[a] < upper[a]);
         let voxel = |at: Coordinates| if is_within(at) { voxel(at) } else { Voxel::Outside };
-        let blocks: Vec<(Coordinates, Block)> = (0..counts.iter().product())
-            .into_par_iter()
-            .filter_map(|n: usize| {
-                let place = [n / (counts[1] * counts[2]), n / counts[2] % counts[1], n % counts[2]];
-                let origin: Coordinates = std::array::from_fn(|a| (first[a] + place[a] as i32) << LEAF);
-                Some((origin, block(origin, &voxel)?))
-            })
-            .collect();
+        let blocks = par::filter_map(counts.iter().product(), 1, |n| {
+            let place = [n / (counts[1] * counts[2]), n / counts[2] % counts[1], n % counts[2]];
+            let origin: Coordinates = std::array::from_fn(|a| (first[a] + place[a] as i32) << LEAF);
+            Some((origin, block(origin, &voxel)?))
+        });
         let mut uppers = BTreeMap::new();
         for (origin, block) in blocks {
             let (upper, lower, place) = path(origin);

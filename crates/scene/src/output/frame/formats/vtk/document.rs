@@ -5,7 +5,7 @@
 //! it differs (else 0), the compressed sizes, and the LZ4 blocks.
 
 use crate::output::frame::Attribute;
-use rayon::prelude::*;
+use meniscus_numerics::par;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -104,7 +104,7 @@ impl Document {
     }
 
     fn append_compressed(&mut self, bytes: &[u8]) {
-        let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK_BYTES).map(lz4_flex::block::compress).collect();
+        let blocks = par::map_jobs(bytes.chunks(BLOCK_BYTES).collect(), lz4_flex::block::compress);
         for number in [blocks.len(), BLOCK_BYTES, bytes.len() % BLOCK_BYTES] {
             self.append_number(number);
         }
