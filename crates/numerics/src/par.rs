@@ -1,6 +1,6 @@
 //! Parallel loops whose results do not depend on the number of threads.
 //!
-//! A loop is cut into tasks, which [`run`] distributes over the threads of the current pool. It calls them through a pointer, so that the
+//! A loop is cut into tasks, which `run` distributes over the threads of the current pool. It calls them through a pointer, so that the
 //! distribution is compiled once; iterators of rayon are compiled anew for each loop and were a third of the machine code.
 
 use crate::grid::Segment;
