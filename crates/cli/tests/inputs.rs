@@ -108,6 +108,8 @@ fn wrong_usage_is_status_2() {
         "verify contour-length --jobs 0",
         "bench no-such-bench",
         "bench --markdown",
+        "bench step --resume --json a.json",
+        "bench precision --resume",
         "bench table1 step --markdown",
         "scenes --json --markdown",
         "new no-such-scene",

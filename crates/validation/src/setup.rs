@@ -7,7 +7,7 @@ use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
     Compiled, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, StepError, StepReport, Wall,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Radius of the drops.
 pub const RADIUS: f64 = 0.5;
@@ -34,7 +34,7 @@ pub fn unit_model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model
 }
 
 /// Bounds of the step length.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepBounds {
     /// Longest step over the explicit capillary limit.
     pub capillary_step: f64,

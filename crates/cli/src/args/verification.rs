@@ -132,6 +132,10 @@ pub struct BenchArgs {
     /// Write the results as JSON.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// With precision alone: keep the runs that the file of --json already has, which must be of the same version, and make the others. The
+    /// file is written anew after each run.
+    #[arg(long, requires = "json")]
+    pub resume: bool,
     /// With table1 or precision alone: print the tables as a page of Markdown, and the rows to standard error as they come.
     #[arg(long)]
     pub markdown: bool,

@@ -460,22 +460,3 @@ impl Compiled<3> for Simulation<3> {
         Functions::all()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use meniscus_numerics::grid::Grid;
-
-    /// A constant step that fails is halved, and contacts are then looked ahead for the halved length.
-    #[test]
-    fn a_constant_step_stays_within_the_look_ahead() {
-        let mut model = Model::of_test(Grid::<2>::new([16; 2], 1.0), Vec::new());
-        model.numerics.fixed_step = Some(0.1);
-        let pool = |x: &Vector<2>| x[1] - 8.3;
-        let body = LiquidRegion { signed_distance: &pool, velocity: Vector::zeros() };
-        let mut simulation = Simulation::new(model, &[body]);
-        assert_eq!(simulation.choose_dt(0.1, f64::INFINITY), 0.1);
-        (simulation.state.last_dt, simulation.state.collision_free_dt) = (0.05, 0.0625);
-        assert_eq!(simulation.choose_dt(0.1, f64::INFINITY), 0.0625);
-    }
-}

@@ -8,4 +8,5 @@ mod patterns;
 mod repairs;
 mod soft;
 mod solids;
+mod steps;
 mod walls;

@@ -16,7 +16,7 @@ use meniscus_scene::error::SceneError;
 use meniscus_scene::file::{LoadOptions, Quality};
 use meniscus_scene::output::summary::deflection;
 use meniscus_sim::StepError;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::time::Instant;
 use thiserror::Error;
 
@@ -48,7 +48,7 @@ impl Problem {
 }
 
 /// A run of a problem.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Run {
     /// Bounds of the step.
     pub bounds: StepBounds,
@@ -123,26 +123,37 @@ pub static PROBLEMS: [Problem; 6] = [
 /// The bounds with which a problem runs. `quick`: two of them.
 fn all_bounds(problem: &Problem, quick: bool) -> Vec<StepBounds> {
     let cfl = StepBounds::default().cfl;
+    let reference = problem.exact.is_none().then_some(REFERENCE);
     let longer = CAPILLARY_STEPS.map(|capillary_step| StepBounds { capillary_step, cfl });
     let farther = COURANT_NUMBERS.map(|cfl| StepBounds { capillary_step: 20.0, cfl });
-    let all = longer.into_iter().chain(farther.into_iter().filter(|_| problem.has_courant_bound));
+    let farther = farther.into_iter().filter(|_| problem.has_courant_bound);
+    let all = reference.into_iter().chain(longer).chain(farther);
     if quick { all.take(2).collect() } else { all.collect() }
 }
 
-/// Runs a problem with all bounds, `quick`: with two; `each` is called after each run.
+/// Runs a problem with all bounds, `quick`: with two; those of the reference come first where there is no closed form. Runs that `earlier`
+/// has are taken from it; `each` is called with each run.
 ///
 /// # Errors
 /// Those of the problem.
-pub fn run(problem: &Problem, quick: bool, mut each: impl FnMut(&Run)) -> Result<Vec<Run>, PrecisionError> {
-    let exact = match problem.exact {
-        Some(exact) => exact,
-        None => (problem.run)(REFERENCE)?,
-    };
-    let mut runs = Vec::new();
+pub fn run(
+    problem: &Problem,
+    quick: bool,
+    earlier: &[Run],
+    mut each: impl FnMut(&Run),
+) -> Result<Vec<Run>, PrecisionError> {
+    let (mut exact, mut runs) = (problem.exact, Vec::new());
     for bounds in all_bounds(problem, quick) {
-        let start = Instant::now();
-        let value = (problem.run)(bounds)?;
-        let run = Run { bounds, value, error: value - exact, seconds: start.elapsed().as_secs_f64() };
+        let run = match earlier.iter().find(|run| run.bounds == bounds) {
+            Some(run) => *run,
+            None => {
+                let start = Instant::now();
+                let value = (problem.run)(bounds)?;
+                let error = value - exact.unwrap_or(value);
+                Run { bounds, value, error, seconds: start.elapsed().as_secs_f64() }
+            }
+        };
+        exact.get_or_insert(run.value);
         each(&run);
         runs.push(run);
     }

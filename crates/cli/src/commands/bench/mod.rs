@@ -5,7 +5,7 @@ mod roofline;
 mod step;
 mod table1;
 
-use super::{print, save, with_threads};
+use super::{print, save, version, with_threads};
 use crate::args::BenchArgs;
 use crate::failure::{Failure, Result, USAGE};
 use meniscus_scene::builtin;
@@ -38,14 +38,16 @@ pub fn bench(args: &BenchArgs) -> Result {
     if args.roofline && args.names != ["step"] {
         return Err(Failure::new(USAGE, "--roofline belongs to `meniscus bench step`"));
     }
+    if args.resume && args.names != ["precision"] {
+        return Err(Failure::new(USAGE, "--resume belongs to `meniscus bench precision`"));
+    }
     with_threads(args.threads.map(usize::from), || measure(args))
 }
 
 /// Runs the requested benchmarks on the current thread pool.
 fn measure(args: &BenchArgs) -> Result {
     let wanted = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
-    let mut results =
-        json!({ "version": env!("CARGO_PKG_VERSION"), "threads": rayon::current_num_threads() });
+    let mut results = json!({ "version": version(), "threads": rayon::current_num_threads() });
     if wanted("pressure") {
         results["pressure"] = pressure_solves(args.quick)?;
     }
@@ -57,7 +59,7 @@ fn measure(args: &BenchArgs) -> Result {
         results["table1"] = table1(args.quick, args.markdown)?;
     }
     if args.names.iter().any(|n| n == "precision") {
-        results["precision"] = precision(args.quick, args.markdown)?;
+        results["precision"] = precision(args, &results)?;
     }
     if let Some(path) = &args.json {
         save(path, &format!("{results:#}\n"))?;

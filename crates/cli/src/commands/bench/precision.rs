@@ -1,36 +1,73 @@
 //! `meniscus bench precision`: errors against cost with longer and longer steps.
 
-use super::super::{print, show_progress, version};
-use crate::failure::{Failure, Result};
+use super::super::{print, save, show_progress, version};
+use crate::args::BenchArgs;
+use crate::failure::{Failure, Result, USAGE};
 use meniscus_scene::output::markdown;
 use meniscus_validation::bench::precision::{self, PROBLEMS, Problem, Run};
+use serde::Deserialize;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// Runs each problem and prints its rows. `quick`: two of the bounds. `as_markdown`: rows go to standard error as they come, and at the end
-/// the tables go to standard output as a page of Markdown.
-pub fn precision(quick: bool, as_markdown: bool) -> Result<Value> {
-    let show = |text: &str| show_progress(text, as_markdown);
+/// Runs each problem and prints its rows; `--quick`: two of the bounds. `--markdown`: rows go to standard error as they come, and at the
+/// end the tables go to standard output as a page of Markdown. `--resume`: earlier runs of the same version are not made again. `head` is
+/// what the file of `--json` has beside these results; where they are wanted alone the file is written after each run.
+pub fn precision(args: &BenchArgs, head: &Value) -> Result<Value> {
+    let show = |text: &str| show_progress(text, args.markdown);
+    let earlier = if args.resume { earlier_results(args, head)? } else { Value::Null };
     let (mut results, mut page) = (Vec::new(), heading());
     for problem in &PROBLEMS {
         let Problem { name, quantity, .. } = problem;
         show(&format!("{name}: {quantity}\n  capillary limits     cfl      value      error   seconds\n"))?;
-        let mut shown = Ok(());
-        let runs = precision::run(problem, quick, |run| {
-            let row = show(&row(run));
+        let of_problem = |runs: &[Run]| json!({ "name": name, "quantity": quantity, "runs": runs });
+        let (mut made, mut shown) = (Vec::new(), Ok(()));
+        let runs = precision::run(problem, args.quick, &runs_of(&earlier, name), |run| {
+            made.push(*run);
+            let all = [results.as_slice(), &[of_problem(&made)]].concat();
+            let done = show(&row(run)).and_then(|()| save_results(args, head, all, &earlier));
             if shown.is_ok() {
-                shown = row;
+                shown = done;
             }
         });
         shown?;
         let runs = runs.map_err(|e| Failure::new(5, format!("`{name}` failed: {e}")))?;
         page += &table(problem, &runs);
-        results.push(json!({ "name": name, "quantity": quantity, "runs": runs }));
+        results.push(of_problem(&runs));
     }
-    if as_markdown {
+    if args.markdown {
         print(&page)?;
     }
     Ok(json!(results))
+}
+
+/// Writes the file of `--json` if it is to have these results alone: the new ones, and earlier ones of other problems.
+fn save_results(args: &BenchArgs, head: &Value, mut results: Vec<Value>, earlier: &Value) -> Result<()> {
+    let Some(path) = args.json.as_ref().filter(|_| args.names == ["precision"]) else { return Ok(()) };
+    let is_new = |problem: &&Value| results.iter().any(|new| new["name"] == problem["name"]);
+    let others: Vec<Value> =
+        earlier.as_array().into_iter().flatten().filter(|problem| !is_new(problem)).cloned().collect();
+    results.extend(others);
+    let mut all = head.clone();
+    all["precision"] = json!(results);
+    save(path, &format!("{all:#}\n"))
+}
+
+/// The results in the file of `--json`; none where there is no such file.
+fn earlier_results(args: &BenchArgs, head: &Value) -> Result<Value> {
+    let Some(path) = args.json.as_ref().filter(|path| path.exists()) else { return Ok(Value::Null) };
+    let text = std::fs::read_to_string(path).map_err(Failure::file("read", path))?;
+    let all: Value = serde_json::from_str(&text).unwrap_or_default();
+    if all["version"] != head["version"] || all["threads"] != head["threads"] {
+        let reason = format!("{} has no results of this version and number of threads", path.display());
+        return Err(Failure::new(USAGE, reason).help("give another file to --json, or leave out --resume"));
+    }
+    Ok(all["precision"].clone())
+}
+
+/// The runs of a problem in earlier results.
+fn runs_of(earlier: &Value, name: &str) -> Vec<Run> {
+    let problem = earlier.as_array().into_iter().flatten().find(|problem| problem["name"] == name);
+    problem.and_then(|problem| Vec::deserialize(&problem["runs"]).ok()).unwrap_or_default()
 }
 
 fn row(Run { bounds, value, error, seconds }: &Run) -> String {
