@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
+use crate::simulation::{LiquidRegion, Simulation};
 use crate::solid::Solid;
 use meniscus_numerics::shape::Shape;
 
@@ -31,4 +32,34 @@ fn liquid_beyond_a_wall_is_none() {
     workspace.find_liquid(&model, &state);
     assert_eq!(workspace.find_spurious_components(&model, &before, 3).cells, vec![beyond]);
     assert!(workspace.find_spurious_components(&model, &workspace.liquid.clone(), 1).cells.is_empty());
+}
+
+/// Two touching balls move into a pool. Deep within them φ follows the outside, beyond the band.
+#[test]
+fn a_step_taken_back_leaves_the_drops_that_were() {
+    let grid = Grid::<2>::new([40; 2], 1.0);
+    let path = crate::PrescribedMotion {
+        velocity: Vector::from([0.4, -1.0]),
+        angular_velocity: [0.0; 3],
+        keyframes: Vec::new(),
+    };
+    let ball = |x: f64| {
+        let shape = Shape::Ball { center: Vector::from([x, 24.0]), radius: 5.5 };
+        Solid::new(shape, SolidKind::Prescribed(path.clone()), 1.0)
+    };
+    let model = Model::of_test(grid, vec![ball(10.0), ball(21.0)]);
+    let pool = |x: &Vector<2>| x[1] - 16.3;
+    let body = LiquidRegion { signed_distance: &pool, velocity: Vector::zeros() };
+    let Simulation { model, mut state, mut workspace, .. } = Simulation::new(model, &[body]);
+    let mut changed = 0;
+    for _ in 0..40 {
+        let before = state.components.clone();
+        let snapshot = Snapshot::take(&model, &mut state, &mut workspace);
+        crate::simulation::step::step(&model, &mut state, &mut workspace, 0.5, &mut |_| ()).unwrap();
+        changed += workspace.overwritten_phi.len();
+        snapshot.restore(&model, &mut state, &mut workspace);
+        assert_eq!((workspace.liquid.components as usize, &state.components), (before.len(), &before));
+        crate::simulation::step::step(&model, &mut state, &mut workspace, 0.5, &mut |_| ()).unwrap();
+    }
+    assert!(changed > 0);
 }

@@ -5,9 +5,7 @@
 use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
-use meniscus_sim::{
-    LiquidRegion, Model, Numerics, PrescribedMotion, Scheme, Simulation, Solid, SolidKind, Wall,
-};
+use meniscus_sim::{LiquidRegion, Model, Numerics, Scheme, Simulation, Solid, SolidKind, Wall};
 
 /// A liquid of density and tension 1 without viscosity and gravity, between closed sides.
 fn model(cells: usize, dx: f64, solids: Vec<Solid<2>>) -> Model<2> {
@@ -38,30 +36,6 @@ fn a_constant_step_stays_within_the_look_ahead() {
     assert_eq!(length(), 0.1);
     (simulation.state.last_dt, simulation.state.collision_free_dt) = (0.05, 0.0625);
     assert_eq!(simulation.step(f64::INFINITY, &mut |_| {}).expect("a step").dt, 0.0625);
-}
-
-/// Two touching balls move into a pool. Deep within them φ follows the outside, beyond the band.
-#[test]
-fn steps_go_on_after_one_that_was_undone_as_if_it_had_not_been() {
-    let path = PrescribedMotion {
-        velocity: Vector::from([0.4, -1.0]),
-        angular_velocity: [0.0; 3],
-        keyframes: Vec::new(),
-    };
-    let ball = |x: f64| {
-        let shape = Shape::Ball { center: Vector::from([x, 24.0]), radius: 5.5 };
-        Solid::new(shape, SolidKind::Prescribed(path.clone()), 1.0)
-    };
-    let start = || pool(model(40, 1.0, vec![ball(10.0), ball(21.0)]), 16.3);
-    let (mut undoing, mut plain) = (start(), start());
-    for _ in 0..40 {
-        undoing.step_and_undo(0.5).expect("a step");
-        assert!(undoing.state == plain.state);
-        for simulation in [&mut undoing, &mut plain] {
-            simulation.step(0.5, &mut |_| {}).expect("a step");
-        }
-    }
-    assert!(undoing.state == plain.state);
 }
 
 /// A drop that falls on a ball, fixed or free, with the scheme of the paper.
