@@ -13,12 +13,12 @@ use meniscus_sim::Compiled;
 use meniscus_sim::Simulation;
 
 /// A session that continues from the newest undamaged checkpoint. Without any checkpoint the run begins.
-pub(super) fn resume<'a, const D: usize>(
+pub(super) fn resume<const D: usize>(
     setup: &Setup<D>,
-    job: &'a Job,
-    folder: &'a Folder,
+    job: &Job,
+    folder: &Folder,
     observer: &mut dyn Observer,
-) -> Result<Session<'a, D>, RunError>
+) -> Result<Session<D>, RunError>
 where
     Simulation<D>: Compiled<D>,
 {
@@ -27,12 +27,7 @@ where
     for path in checkpoint::list(&folder.checkpoints()) {
         match checkpoint::read(&path, job.identity, setup.model.grid) {
             Ok((state, mut tally)) => {
-                // The last frame of a shorter run may lie before its time in this longer one.
-                while tally.next_frame > 0
-                    && !job.schedule.has_reached_frame(state.time, tally.next_frame - 1)
-                {
-                    tally.next_frame -= 1;
-                }
+                tally.next_frame = first_frame_after(job, state.time, tally.next_frame);
                 let Some(series) = TimeSeriesWriter::reopen(&folder.series(), tally.series_bytes)? else {
                     let what = "timeseries.csv is shorter than when it was written".to_string();
                     failure.get_or_insert(CheckpointError::Damaged { path, what });
@@ -62,6 +57,12 @@ where
             Ok(Session::start(setup.simulation(), job, folder)?)
         }
     }
+}
+
+/// Number of the frame to write next at a time, when `next` was the next one of an earlier job: the last frame of a shorter run may lie
+/// before its time in a longer one.
+pub(super) fn first_frame_after(job: &Job, time: f64, next: u64) -> u64 {
+    (0..next).rev().find(|frame| job.schedule.has_reached_frame(time, *frame)).map_or(0, |frame| frame + 1)
 }
 
 /// Refuses a folder that holds another scene.
