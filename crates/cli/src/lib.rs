@@ -10,7 +10,7 @@ mod stop;
 mod values;
 
 use crate::args::{Cli, Command, LogFormat};
-use crate::failure::{Failure, Result};
+use crate::failure::Result;
 use clap::Parser;
 use std::ffi::OsString;
 

@@ -80,6 +80,22 @@ where
     Ok(Opened::Session(Box::new(session)))
 }
 
+/// Opens the folder of a run at its last checkpoint, also that of a run that is complete.
+///
+/// # Errors
+/// [`RunError`].
+pub fn reopen<const D: usize>(
+    setup: &Setup<D>,
+    job: &Job,
+    folder: &Folder,
+    observer: &mut dyn Observer,
+) -> Result<Session<D>, RunError>
+where
+    Simulation<D>: Compiled<D>,
+{
+    resume::resume(setup, job, folder, observer)
+}
+
 /// The summary of an earlier run, if it has done all that this job asks.
 fn finished(job: &Job, folder: &Folder) -> Result<Option<Summary>, RunError> {
     let Ok(summary) = Summary::read(&folder.summary()) else { return Ok(None) };
