@@ -54,7 +54,7 @@ impl StoredRun {
     /// The content of ``summary.json``, a dict.
     #[getter]
     fn summary(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        summary_json(py, &self.run.summary)
+        stored_summary(py, &Folder::at(&self.path))
     }
 
     /// The time series: a dict of arrays (steps,) of float64 by the name of the column, nan where a row has no value.
@@ -118,9 +118,16 @@ fn mean_angles(frame: &FrameContent) -> Vec<Option<f64>> {
     (0..frame.solids.len()).map(mean).collect()
 }
 
-/// JSON as Python has it.
-pub fn summary_json(py: Python<'_>, value: &serde_json::Value) -> PyResult<Py<PyAny>> {
-    Ok(py.import("json")?.call_method1("loads", (value.to_string(),))?.unbind())
+/// The text of JSON as Python has it. Python's own reader keeps the last bit of every number.
+pub fn json_value(py: Python<'_>, text: &str) -> PyResult<Py<PyAny>> {
+    Ok(py.import("json")?.call_method1("loads", (text,))?.unbind())
+}
+
+/// The summary in a folder.
+pub fn stored_summary(py: Python<'_>, folder: &Folder) -> PyResult<Py<PyAny>> {
+    let path = folder.summary();
+    let text = std::fs::read_to_string(&path).map_err(FileError::of("read", &path)).or_raise(py)?;
+    json_value(py, &text)
 }
 
 /// The time series of a folder, by the names of its columns in their order.

@@ -8,7 +8,7 @@ pub use options::StartOptions;
 use crate::errors::{OrRaise, exception};
 use crate::frame::Frame;
 use crate::session::{AnySession, Warnings};
-use crate::stored::{series, summary_json};
+use crate::stored::{json_value, series, stored_summary};
 use meniscus_cli::{
     DEFAULT_PAGE_MB, Failure, SceneArgs, check_runnable, conclude, duration, load, make_page, prepare, show,
 };
@@ -70,8 +70,12 @@ struct Ready {
     job: Job,
 }
 
-fn ready(args: &SceneArgs, more: &[String], has_gravity: bool) -> Result<Ready, Failure> {
-    let scene = load(args, more)?.scene;
+/// Loads and builds a scene with more settings. `[expect]` is about the duration `whole`, s: a shorter run is not checked against it.
+fn ready(args: &SceneArgs, more: &[String], whole: f64, has_gravity: bool) -> Result<Ready, Failure> {
+    let mut scene = load(args, more)?.scene;
+    if scene.output.duration < whole * (1.0 - 1e-9) {
+        scene.expect = Expect::default();
+    }
     check_runnable(&scene)?;
     let (setup, mut job) = prepare(&scene)?;
     if has_gravity {
@@ -98,7 +102,7 @@ impl Simulation {
             let folder = out.unwrap_or_else(|| Path::new("out").join(&whole.name));
             let folder = Folder::at(&folder);
             let made = pool.install(|| {
-                let Ready { scene, setup, job } = ready(&args, &sets, has_gravity)?;
+                let Ready { scene, setup, job } = ready(&args, &sets, whole.output.duration, has_gravity)?;
                 let opened = AnySession::open(&setup, &job, &folder, existing, &mut warnings)?;
                 Ok::<_, Failure>((scene, opened))
             });
@@ -200,9 +204,6 @@ impl Simulation {
         drop(session);
         match outcome {
             Outcome::Finished(mut summary) => {
-                if run.scene.output.duration < self.whole * (1.0 - 1e-9) {
-                    run.scene.expect = Expect::default();
-                }
                 let shown = self.pool.install(|| {
                     conclude(&run.scene, &mut summary, &self.folder)?;
                     if run.scene.output.formats.contains(&Format::Page) {
@@ -232,7 +233,7 @@ impl Simulation {
             return Ok(end);
         }
         let done = py.detach(|| {
-            let Ready { scene, job, .. } = ready(&self.args, &sets, self.has_gravity)?;
+            let Ready { scene, job, .. } = ready(&self.args, &sets, self.whole, self.has_gravity)?;
             session.set_job(job)?;
             Ok::<_, Failure>(scene)
         });
@@ -335,10 +336,9 @@ impl Simulation {
     #[getter]
     fn summary(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let run = self.run()?;
-        let of_session = || run.session.as_ref().map(AnySession::summary);
-        match run.summary.clone().filter(|_| run.session.is_none() || !run.has_advanced).or_else(of_session) {
-            Some(summary) => summary_json(py, &serde_json::json!(summary)),
-            None => Err(closed()),
+        match run.session.as_ref().filter(|_| run.has_advanced) {
+            Some(session) => json_value(py, &serde_json::json!(session.summary()).to_string()),
+            None => stored_summary(py, &self.folder),
         }
     }
 
