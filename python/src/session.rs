@@ -59,13 +59,13 @@ impl AnySession {
             AnySetup::D2(setup) => Ok(match run::open(setup, job, folder, existing, warnings)? {
                 Opened::Session(session) => (Self::D2(session), None),
                 Opened::AlreadyFinished(summary) => {
-                    (Self::D2(Box::new(run::reopen(setup, job, folder, warnings)?)), Some(summary))
+                    (Self::D2(Box::new(run::reopen(setup, job, folder, warnings)?)), Some(*summary))
                 }
             }),
             AnySetup::D3(setup) => Ok(match run::open(setup, job, folder, existing, warnings)? {
                 Opened::Session(session) => (Self::D3(session), None),
                 Opened::AlreadyFinished(summary) => {
-                    (Self::D3(Box::new(run::reopen(setup, job, folder, warnings)?)), Some(summary))
+                    (Self::D3(Box::new(run::reopen(setup, job, folder, warnings)?)), Some(*summary))
                 }
             }),
         }

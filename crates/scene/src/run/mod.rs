@@ -38,7 +38,7 @@ where
     Simulation<D>: Compiled<D>,
 {
     match open(setup, job, folder, existing, observer)? {
-        Opened::AlreadyFinished(summary) => Ok(Outcome::AlreadyFinished(summary)),
+        Opened::AlreadyFinished(summary) => Ok(Outcome::AlreadyFinished(*summary)),
         Opened::Session(session) => session.run(stop, observer),
     }
 }
@@ -48,7 +48,7 @@ pub enum Opened<const D: usize> {
     /// A run that begins or goes on.
     Session(Box<Session<D>>),
     /// A run that has done all that the job asks.
-    AlreadyFinished(Summary),
+    AlreadyFinished(Box<Summary>),
 }
 
 /// Opens an output folder for a run, which [`Session::run`] does as a whole, or the caller step by step.
@@ -68,7 +68,7 @@ where
     if existing == ExistingRun::Resume
         && let Some(summary) = finished(job, folder)?
     {
-        return Ok(Opened::AlreadyFinished(summary));
+        return Ok(Opened::AlreadyFinished(Box::new(summary)));
     }
     let session = match existing {
         ExistingRun::Resume => resume::resume(setup, job, folder, observer)?,
