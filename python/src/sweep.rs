@@ -26,7 +26,8 @@ pub struct SweepOptions {
     program: Vec<OsString>,
 }
 
-/// Runs all combinations of values. Returns the folder, how each case ended (its number and exit status), and the table as JSON.
+/// Runs all combinations of values. Returns the folder, and as JSON `ended`, the number and the exit status of each case, and `columns`, the
+/// table.
 #[pyfunction]
 #[pyo3(name = "_sweep")]
 pub fn sweep(
@@ -34,7 +35,7 @@ pub fn sweep(
     scene: &Scene,
     vary: Vec<(String, Vec<String>)>,
     options: SweepOptions,
-) -> PyResult<(PathBuf, Vec<(usize, u8)>, String)> {
+) -> PyResult<(PathBuf, String)> {
     let vary = vary.into_iter().map(|(path, values)| Vary { path, values }).collect();
     let (args, SweepOptions { out, jobs, threads, program }) = (scene.arguments(), options);
     let made = py.detach(|| Sweep::new(&args, vary, out.as_deref())).or_raise(py)?;
@@ -59,12 +60,13 @@ pub fn sweep(
         return Err(interrupt);
     }
     let (ended, table) = table?;
-    let ended = ended.into_iter().map(|end| (end.case, end.status)).collect();
-    Ok((made.folder().root().to_path_buf(), ended, json(&table)))
+    let ended: Vec<(usize, u8)> = ended.into_iter().map(|end| (end.case, end.status)).collect();
+    let result = serde_json::json!({ "ended": ended, "columns": columns(&table) });
+    Ok((made.folder().root().to_path_buf(), result.to_string()))
 }
 
 /// The table column by column: parameters, state, checks and measures.
-fn json(table: &Table) -> String {
+fn columns(table: &Table) -> Vec<serde_json::Value> {
     let mut columns = Vec::new();
     let mut add = |name: &str, unit: &str, values: serde_json::Value| {
         columns.push(serde_json::json!({ "name": name, "unit": unit, "values": values }));
@@ -84,5 +86,5 @@ fn json(table: &Table) -> String {
             add(&format!("{name} met"), "", met.collect());
         }
     }
-    serde_json::Value::from(columns).to_string()
+    columns
 }

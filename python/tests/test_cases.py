@@ -5,6 +5,7 @@ import csv
 import multiprocessing
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import time
@@ -84,6 +85,35 @@ def test_a_sweep_is_that_of_the_command(scene_file, tmp_path):
         mn.sweep(scene, {ANGLE: ["60 deg", "80 deg"]}, out=tmp_path / "mine")
     with pytest.raises(mn.SceneError, match="furlong"):
         mn.sweep(scene, {ANGLE: ["60 furlong"]}, out=tmp_path / "wrong")
+
+
+INTERRUPTED = """
+import sys, meniscus as mn
+scene = mn.Scene(sys.argv[1])
+scene["domain.resolution"] = 128
+try:
+    mn.sweep(scene, {"tension.plate.contact_angle": ["60 deg", "120 deg"]}, out=sys.argv[2])
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+def test_ctrl_c_stops_a_sweep(scene_file, tmp_path):
+    command = [sys.executable, "-c", INTERRUPTED, str(scene_file), str(tmp_path / "out")]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    frame = tmp_path / "out" / "case_0000" / "frames" / "liquid_0001.ply"
+    until = time.monotonic() + 60
+    while not frame.exists() and time.monotonic() < until:
+        time.sleep(0.002)
+    process.send_signal(signal.SIGINT)
+    text, _ = process.communicate(timeout=60)
+    assert text == "interrupted\n" and process.returncode == 0
+    assert mn.open(tmp_path / "out" / "case_0000").summary["exit_reason"].startswith("stopped: signal")
+    assert not (tmp_path / "out" / "case_0001").exists()
+    scene = mn.Scene(scene_file)
+    scene["domain.resolution"] = 128
+    table = mn.sweep(scene, {ANGLE: ["60 deg", "120 deg"]}, out=tmp_path / "out")
+    assert list(table["state"]) == ["finished"] * 2
 
 
 def test_a_table_goes_to_pandas(scene_file, tmp_path):

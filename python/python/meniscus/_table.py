@@ -105,11 +105,11 @@ def sweep(
     values: List[Any] = [(path, [_text(value) for value in of]) for path, of in vary.items()]
     program = [sys.executable, "-m", "meniscus"]
     options = {"out": out, "jobs": jobs, "threads": threads, "program": program}
-    folder, ended, columns = _meniscus._sweep(made, values, options)
-    for case, status in ended:
+    folder, text = _meniscus._sweep(made, values, options)
+    result = json.loads(text)
+    for case, status in result["ended"]:
         if status not in _FINE:
             log = os.path.join(folder, f"case_{case:04}.log")
             warnings.warn(f"case {case} failed with exit status {status}, see {log}", stacklevel=2)
-    parsed = json.loads(columns)
-    arrays = {column["name"]: _column(column["values"]) for column in parsed}
-    return Table(arrays, {column["name"]: column["unit"] for column in parsed}, os.fspath(folder))
+    columns = {column["name"]: _column(column["values"]) for column in result["columns"]}
+    return Table(columns, {column["name"]: column["unit"] for column in result["columns"]}, os.fspath(folder))

@@ -4,7 +4,7 @@ use super::RunError;
 use super::checkpoint::{self, CheckpointError};
 use super::event::{Event, Observer};
 use super::scene_text::identity_line;
-use super::session::Session;
+use super::session::{Session, first_frame_after};
 use crate::build::Setup;
 use crate::job::Job;
 use crate::output::time_series::TimeSeriesWriter;
@@ -57,12 +57,6 @@ where
             Ok(Session::start(setup.simulation(), job, folder)?)
         }
     }
-}
-
-/// Number of the frame to write next at a time, when `next` was the next one of an earlier job: the last frame of a shorter run may lie
-/// before its time in a longer one.
-pub(super) fn first_frame_after(job: &Job, time: f64, next: u64) -> u64 {
-    (0..next).rev().find(|frame| job.schedule.has_reached_frame(time, *frame)).map_or(0, |frame| frame + 1)
 }
 
 /// Refuses a folder that holds another scene.

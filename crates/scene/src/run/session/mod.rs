@@ -8,7 +8,6 @@ use super::checkpoint;
 use super::error::RunError;
 use super::event::{Event, Observer, Progress};
 use super::outcome::Outcome;
-use super::resume::first_frame_after;
 use super::scene_text::scene_text;
 use super::watchdog::{FinishOnDrop, Limits, Watchdog};
 use crate::job::{Job, RunStatistics, Stop};
@@ -403,4 +402,10 @@ impl<const D: usize> Session<D> {
             other => other,
         }
     }
+}
+
+/// Number of the frame to write next at a time, when `next` was the next one of an earlier job: the last frame of a shorter run may lie
+/// before its time in a longer one.
+pub(super) fn first_frame_after(job: &Job, time: f64, next: u64) -> u64 {
+    (0..next).rev().find(|frame| job.schedule.has_reached_frame(time, *frame)).map_or(0, |frame| frame + 1)
 }
