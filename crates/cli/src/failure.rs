@@ -29,6 +29,19 @@ pub struct Failure {
     place: Option<Box<(NamedSource<String>, LabeledSpan)>>,
 }
 
+/// A place in a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place<'a> {
+    /// The file; `--set` for a setting.
+    pub file: &'a str,
+    /// Its line, from 1.
+    pub line: usize,
+    /// The column in characters, from 1.
+    pub column: usize,
+    /// The text that is wrong.
+    pub text: &'a str,
+}
+
 /// The result of a command: its exit status.
 pub type Result<T = u8> = std::result::Result<T, Failure>;
 
@@ -49,6 +62,26 @@ impl Failure {
     pub fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let of = FileError::of(action, path);
         move |source| of(source).into()
+    }
+
+    /// The help text.
+    pub fn help_text(&self) -> Option<&str> {
+        self.help.as_deref()
+    }
+
+    /// Where the error is in a scene, if it is in one.
+    pub fn place(&self) -> Option<Place<'_>> {
+        let (source, label) = &**self.place.as_ref()?;
+        let text = source.inner();
+        let (start, end) = (label.offset(), label.offset() + label.len());
+        let before = text.get(..start)?;
+        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+        Some(Place {
+            file: source.name(),
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            text: text.get(start..end).unwrap_or_default(),
+        })
     }
 
     /// The failure as one line of JSON.

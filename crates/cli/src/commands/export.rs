@@ -60,7 +60,10 @@ fn chosen_frames(run: &RunFolder, args: &ExportArgs) -> Result<Vec<u32>> {
 }
 
 /// The frame of the PLY files with a number.
-fn stored_frame(run: &RunFolder, number: u32) -> Result<Frame> {
+///
+/// # Errors
+/// A failure of status 4 if there is no such frame, or a file of it cannot be read.
+pub fn stored_frame(run: &RunFolder, number: u32) -> Result<Frame> {
     let help = "the file may be damaged: leave the frame out with --frames, or run the scene again";
     let fail = |error: ViewError| Failure::new(OUTPUT, error.to_string()).help(help);
     let stored = run.frame(number).map_err(fail)?;

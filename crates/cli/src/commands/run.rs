@@ -36,8 +36,6 @@ fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     let out = args.out.clone().or(folder).unwrap_or_else(|| Path::new("out").join(&scene.name));
     let watch = StopMonitor::begin(args.walltime)
         .map_err(|e| Failure::new(1, format!("cannot install the signal handlers: {e}")))?;
-    let mut job = Job::of(scene, scene.to_toml()?);
-    job.frames = args.frames;
     let existing = match (args.resume, args.force) {
         (true, _) => ExistingRun::Resume,
         (_, true) => ExistingRun::Replace,
@@ -45,11 +43,8 @@ fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     };
     let folder = Folder::at(&out);
     let mut reporter = Reporter::new(args.log, args.quiet, resume_command(args, &out));
-    let setup = AnySetup::of(scene)?;
-    let cut = displaced_liquid::check_displaced(scene, &displaced_liquid::displaced_bodies(scene, &setup))?;
-    job.warnings = cut.into_iter().map(|w| format!("{}: {}", w.path, w.message)).collect();
-    memory::check_solid_memory(scene, &setup, memory::machine_memory())?;
-    scene.files.forget();
+    let (setup, mut job) = prepare(scene)?;
+    job.frames = args.frames;
     let outcome = setup.run(&job, &folder, existing, &|| watch.request(), &mut reporter)?;
     let text = args.log == LogFormat::Text && !args.quiet;
     match outcome {
@@ -62,6 +57,20 @@ fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
         Outcome::Stopped(_, summary) => stopped(args, &summary, &out),
         Outcome::Finished(summary) => finish(args, scene, summary, &folder),
     }
+}
+
+/// The setup and the job of a scene that can run.
+///
+/// # Errors
+/// The error of the scene, also if its solids need more memory than this machine has.
+pub fn prepare(scene: &Scene) -> Result<(AnySetup, Job)> {
+    let mut job = Job::of(scene, scene.to_toml()?);
+    let setup = AnySetup::of(scene)?;
+    let cut = displaced_liquid::check_displaced(scene, &displaced_liquid::displaced_bodies(scene, &setup))?;
+    job.warnings = cut.into_iter().map(|w| format!("{}: {}", w.path, w.message)).collect();
+    memory::check_solid_memory(scene, &setup, memory::machine_memory())?;
+    scene.files.forget();
+    Ok((setup, job))
 }
 
 /// Loads the scene. `[expect]` concerns the whole run, so a shortened run is not checked against it.
@@ -83,7 +92,7 @@ fn load(args: &RunArgs) -> Result<Loaded> {
 }
 
 /// `--until` as a setting of the scene, so that `scene.toml` reproduces this run.
-fn duration(time: &str) -> String {
+pub fn duration(time: &str) -> String {
     format!("output.duration=\"{}\"", time.replace(['"', '\\'], ""))
 }
 
@@ -125,8 +134,7 @@ fn quote(word: &str) -> String {
 
 /// Reports expectations, makes pictures and page, and prints their paths.
 fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) -> Result {
-    summary.expect = expect::evaluate(scene, &summary, &TimeSeries::read(&folder.series())?);
-    summary.write(&folder.summary())?;
+    conclude(scene, &mut summary, folder)?;
     let text = args.log == LogFormat::Text && !args.quiet;
     let mut report = String::new();
     let _ = writeln!(
@@ -161,8 +169,20 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
     Ok(if summary.expect.iter().all(|v| v.pass) { 0 } else { MISSED })
 }
 
+/// Evaluates `[expect]` of a finished run and writes its summary.
+///
+/// # Errors
+/// A failure of status 4 if a file cannot be read or written.
+pub fn conclude(scene: &Scene, summary: &mut Summary, folder: &Folder) -> Result<()> {
+    summary.expect = expect::evaluate(scene, summary, &TimeSeries::read(&folder.series())?);
+    Ok(summary.write(&folder.summary())?)
+}
+
 /// Makes pictures and the page. Returns their paths as text.
-fn show(dir: &Path, frames: u64, quiet: bool) -> Result<String> {
+///
+/// # Errors
+/// A failure of status 4 if a file cannot be read or written.
+pub fn show(dir: &Path, frames: u64, quiet: bool) -> Result<String> {
     let every = frames.div_ceil(MAX_PICTURES).max(1) as usize;
     let options = RenderOptions { every, ..RenderOptions::default() };
     let rendered = view::pictures(dir, &options, quiet)?;

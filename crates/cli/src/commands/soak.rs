@@ -3,6 +3,7 @@
 use super::{print, save};
 use crate::args::{Set, SoakArgs, Solids};
 use crate::failure::{Failure, MISSED, Result, USAGE};
+use crate::own_program;
 use meniscus_scene::file::{LoadOptions, Scene};
 use meniscus_validation::soak::launcher::{CaseRange, Launcher, MESSAGE_PREFIXES, arguments};
 use meniscus_validation::soak::rerun::shrink;
@@ -20,9 +21,7 @@ pub fn soak(args: &SoakArgs) -> Result {
     if args.child {
         return child(args, wish);
     }
-    let program = std::env::current_exe().map_err(|e| {
-        Failure::new(1, format!("cannot find the path of this program, which runs each case: {e}"))
-    })?;
+    let program = own_program::executable()?;
     let launch = Launcher { program, wish, out: args.out.clone() };
     match (&args.scene, args.case) {
         (Some(path), _) => one(args, &launch, launch.file(path).map_err(internal)?, Some(path)),

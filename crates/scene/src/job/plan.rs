@@ -54,6 +54,8 @@ pub enum Stop {
     AtOnce,
     /// The time given with `--walltime` is used up.
     Walltime,
+    /// The program that steps through the run goes no further.
+    Caller,
 }
 
 impl Stop {
@@ -62,6 +64,7 @@ impl Stop {
         match self {
             Self::Signal | Self::AtOnce => "stopped: signal",
             Self::Walltime => "stopped: walltime",
+            Self::Caller => "stopped: by the calling program",
         }
     }
 }

@@ -15,6 +15,7 @@ pub use error::RunError;
 pub use event::RemoteObserver;
 pub use event::{Event, Observer, Progress, SilentObserver};
 pub use outcome::Outcome;
+pub use session::{Advance, BeforeStep, Session};
 
 use crate::output::frame::FrameParts;
 use crate::output::summary::{FINISHED, Summary};
@@ -36,19 +37,63 @@ pub fn run<const D: usize>(
 where
     Simulation<D>: Compiled<D>,
 {
+    match open(setup, job, folder, existing, observer)? {
+        Opened::AlreadyFinished(summary) => Ok(Outcome::AlreadyFinished(*summary)),
+        Opened::Session(session) => session.run(stop, observer),
+    }
+}
+
+/// What an output folder was opened as.
+pub enum Opened<const D: usize> {
+    /// A run that begins or goes on.
+    Session(Box<Session<D>>),
+    /// A run that has done all that the job asks.
+    AlreadyFinished(Box<Summary>),
+}
+
+/// Opens an output folder for a run, which [`Session::run`] does as a whole, or the caller step by step.
+///
+/// # Errors
+/// [`RunError`].
+pub fn open<const D: usize>(
+    setup: &Setup<D>,
+    job: &Job,
+    folder: &Folder,
+    existing: ExistingRun,
+    observer: &mut dyn Observer,
+) -> Result<Opened<D>, RunError>
+where
+    Simulation<D>: Compiled<D>,
+{
     if existing == ExistingRun::Resume
         && let Some(summary) = finished(job, folder)?
     {
-        return Ok(Outcome::AlreadyFinished(summary));
+        return Ok(Opened::AlreadyFinished(Box::new(summary)));
     }
     let session = match existing {
         ExistingRun::Resume => resume::resume(setup, job, folder, observer)?,
         _ => {
             folder.prepare(existing == ExistingRun::Replace)?;
-            session::Session::start(setup.simulation(), job, folder)?
+            Session::start(setup.simulation(), job, folder)?
         }
     };
-    session.run(stop, observer)
+    Ok(Opened::Session(Box::new(session)))
+}
+
+/// Opens the folder of a run at its last checkpoint, also that of a run that is complete.
+///
+/// # Errors
+/// [`RunError`].
+pub fn reopen<const D: usize>(
+    setup: &Setup<D>,
+    job: &Job,
+    folder: &Folder,
+    observer: &mut dyn Observer,
+) -> Result<Session<D>, RunError>
+where
+    Simulation<D>: Compiled<D>,
+{
+    resume::resume(setup, job, folder, observer)
 }
 
 /// The summary of an earlier run, if it has done all that this job asks.

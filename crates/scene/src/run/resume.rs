@@ -4,7 +4,7 @@ use super::RunError;
 use super::checkpoint::{self, CheckpointError};
 use super::event::{Event, Observer};
 use super::scene_text::identity_line;
-use super::session::Session;
+use super::session::{Session, first_frame_after};
 use crate::build::Setup;
 use crate::job::Job;
 use crate::output::time_series::TimeSeriesWriter;
@@ -13,12 +13,12 @@ use meniscus_sim::Compiled;
 use meniscus_sim::Simulation;
 
 /// A session that continues from the newest undamaged checkpoint. Without any checkpoint the run begins.
-pub(super) fn resume<'a, const D: usize>(
+pub(super) fn resume<const D: usize>(
     setup: &Setup<D>,
-    job: &'a Job,
-    folder: &'a Folder,
+    job: &Job,
+    folder: &Folder,
     observer: &mut dyn Observer,
-) -> Result<Session<'a, D>, RunError>
+) -> Result<Session<D>, RunError>
 where
     Simulation<D>: Compiled<D>,
 {
@@ -27,12 +27,7 @@ where
     for path in checkpoint::list(&folder.checkpoints()) {
         match checkpoint::read(&path, job.identity, setup.model.grid) {
             Ok((state, mut tally)) => {
-                // The last frame of a shorter run may lie before its time in this longer one.
-                while tally.next_frame > 0
-                    && !job.schedule.has_reached_frame(state.time, tally.next_frame - 1)
-                {
-                    tally.next_frame -= 1;
-                }
+                tally.next_frame = first_frame_after(job, state.time, tally.next_frame);
                 let Some(series) = TimeSeriesWriter::reopen(&folder.series(), tally.series_bytes)? else {
                     let what = "timeseries.csv is shorter than when it was written".to_string();
                     failure.get_or_insert(CheckpointError::Damaged { path, what });

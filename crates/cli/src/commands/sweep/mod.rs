@@ -4,6 +4,7 @@
 //! `sweep.csv` and `index.html` with what the cases came to. All that says how far it is lies in these files: the same command goes on.
 
 mod find;
+mod grid;
 mod outcome;
 mod page;
 mod plan;
@@ -12,20 +13,23 @@ mod slurm;
 mod table;
 mod vary;
 
+pub use self::grid::Sweep;
+pub use self::runner::{Ended, Runner};
+pub use self::table::{Cell, Parameter, Row, Table};
+pub use self::vary::Vary;
+
 use self::find::Search;
 use self::plan::{Plan, SweepFolder};
-use self::runner::{Ended, Runner};
-use self::table::Table;
-use self::vary::{Interval, ValueError, Vary};
+
+use self::vary::{Interval, ValueError};
 use super::{print, run, save};
 use crate::args::{LogFormat, RunArgs, SceneArgs, SweepArgs};
 use crate::failure::{Failure, MISSED, Result, STOPPED, USAGE};
+use crate::own_program;
 use crate::scenes;
 use crate::stop::StopMonitor;
+use meniscus_scene::run::Stop;
 use std::path::{Path, PathBuf};
-
-/// Most cases of a sweep.
-const MAX_CASES: usize = 10_000;
 
 /// Relative width at which `--find` ends by default; chosen without experiment.
 const TOLERANCE: f64 = 0.02;
@@ -77,35 +81,12 @@ fn of_folder(args: &SweepArgs, folder: &SweepFolder) -> Result {
 fn grid(args: &SweepArgs) -> Result {
     let vary: Vec<Vary> =
         args.vary.iter().map(|text| Vary::parse(text).map_err(wrong_value)).collect::<Result<_>>()?;
-    if let Some(twice) = vary.iter().enumerate().find(|(i, v)| vary[..*i].iter().any(|w| w.path == v.path)) {
-        return Err(usage(
-            format!("`{}` is varied twice", twice.1.path),
-            "give all its values in one --vary",
-        ));
+    let count = vary.iter().try_fold(1usize, |n, v| n.checked_mul(v.values.len())).unwrap_or(usize::MAX);
+    if let Some(case) = args.case.filter(|case| *case >= count) {
+        return Err(no_case(case, count));
     }
-    let count = vary.iter().try_fold(1usize, |n, v| n.checked_mul(v.values.len()));
-    if count.is_none_or(|n| n > MAX_CASES) {
-        return Err(usage(format!("there are more than {MAX_CASES} cases"), "give fewer values"));
-    }
-    let name = scenes::load(&args.scene, &[])?.scene.name;
-    let folder = SweepFolder::at(&out(args, &format!("{name}-sweep")));
-    let plan = Plan::new(&name, vary, None);
-    let mut loaded = Vec::new();
-    for values in plan.cases() {
-        let sets = plan.sets(&values);
-        let scene = scenes::load(&args.scene, &sets)?.scene;
-        scenes::check_runnable(&scene)?;
-        loaded.push((sets, scene));
-    }
-    if let Some(case) = args.case.filter(|case| *case >= loaded.len()) {
-        return Err(no_case(case, loaded.len()));
-    }
-    folder.keep_plan(&plan)?;
-    for (case, (sets, scene)) in loaded.iter().enumerate() {
-        folder.keep_scene(case, sets, scene)?;
-    }
-    drop(loaded);
-    work(args, &folder, &plan)
+    let sweep = Sweep::new(&args.scene, vary, args.out.as_deref())?;
+    work(args, sweep.folder(), sweep.plan())
 }
 
 fn out(args: &SweepArgs, name: &str) -> PathBuf {
@@ -142,9 +123,10 @@ fn work(args: &SweepArgs, folder: &SweepFolder, plan: &Plan) -> Result {
     }
     let stop = stop_monitor(args)?;
     let all: Vec<usize> = (0..cases.len()).collect();
+    let stop = || stop.request();
     let mut progress = Progress { folder, quiet: args.quiet, done: 0, count: Some(cases.len()) };
     let mut tell = |end: &Ended| progress.tell(end, &plan.sets(&cases[end.case]).join(" "));
-    let ended = runner(args, folder, &stop).run(&all, &mut tell)?;
+    let ended = runner(args, folder, &stop)?.run(&all, &mut tell)?;
     collect(args, folder, plan, &cases)?;
     Ok(status(&ended))
 }
@@ -185,7 +167,8 @@ fn find(args: &SweepArgs, check: &str) -> Result {
     folder.keep_plan(&plan)?;
     let stop = stop_monitor(args)?;
     let mut progress = Progress { folder: &folder, quiet: args.quiet, done: 0, count: None };
-    let found = search.run(&folder, &runner(args, &folder, &stop), &mut |end, set| progress.tell(end, set));
+    let stop = || stop.request();
+    let found = search.run(&folder, &runner(args, &folder, &stop)?, &mut |end, set| progress.tell(end, set));
     collect(args, &folder, &plan, &folder.written_cases(&plan))?;
     found
 }
@@ -195,11 +178,14 @@ fn stop_monitor(args: &SweepArgs) -> Result<StopMonitor> {
         .map_err(|e| Failure::new(1, format!("cannot install the signal handlers: {e}")))
 }
 
-fn runner<'a>(args: &SweepArgs, folder: &'a SweepFolder, stop: &'a StopMonitor) -> Runner<'a> {
+fn runner<'a>(
+    args: &SweepArgs,
+    folder: &'a SweepFolder,
+    stop: &'a dyn Fn() -> Option<Stop>,
+) -> Result<Runner<'a>> {
     let jobs = usize::from(args.jobs);
-    let machine = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = args.threads.map_or_else(|| (machine / jobs).max(1), usize::from);
-    Runner { folder, jobs, threads, stop }
+    let threads = args.threads.map_or_else(|| Runner::threads_of_each(jobs), usize::from);
+    Ok(Runner { folder, jobs, threads, program: own_program::words()?, stop })
 }
 
 /// Tells of cases as they end, on standard error.
@@ -241,20 +227,11 @@ fn status(ended: &[Ended]) -> u8 {
 
 /// Writes table and page, and prints the table.
 fn collect(args: &SweepArgs, folder: &SweepFolder, plan: &Plan, cases: &[Vec<String>]) -> Result<()> {
-    let table = Table::of(folder, plan, cases)?;
-    let (csv, page) = (folder.file("sweep.csv"), folder.file("index.html"));
-    save(&csv, &table.csv())?;
-    let title = match &plan.find {
-        Some(check) => format!("{}: where {check} changes", plan.name),
-        None => format!("{}: {} cases", plan.name, cases.len()),
-    };
-    let mut notes: Vec<String> =
-        plan.vary.iter().map(|vary| format!("{}: {}", vary.path, vary.values.join(", "))).collect();
-    notes.extend(find::result(folder));
-    save(&page, &page::page(folder, &title, &notes, &table))?;
+    let table = grid::write_table(folder, plan, cases)?;
     if args.quiet {
         return Ok(());
     }
+    let (csv, page) = (folder.file(grid::TABLE), folder.file(grid::PAGE));
     print(&format!("{}table     {}\npage      {}\n", table.text(), csv.display(), page.display()))
 }
 

@@ -6,11 +6,11 @@
 use super::outcome::Outcome;
 use super::plan::SweepFolder;
 use crate::failure::{Failure, Result, STOPPED};
-use crate::stop::StopMonitor;
+use crate::own_program;
 use meniscus_scene::output::{Folder, FolderError};
 use meniscus_scene::run::Stop;
 use std::collections::VecDeque;
-use std::path::Path;
+use std::ffi::OsString;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::Duration;
 
@@ -25,8 +25,10 @@ pub struct Runner<'a> {
     pub jobs: usize,
     /// Threads of each.
     pub threads: usize,
-    /// Requests to stop.
-    pub stop: &'a StopMonitor,
+    /// Words that start this program (`own_program`).
+    pub program: Vec<OsString>,
+    /// Tells of a request to stop.
+    pub stop: &'a dyn Fn() -> Option<Stop>,
 }
 
 /// How a case ended.
@@ -47,14 +49,18 @@ struct Running {
 }
 
 impl Runner<'_> {
+    /// Threads of each of so many processes at the same time, which share those of the machine.
+    pub fn threads_of_each(jobs: usize) -> usize {
+        let machine = std::thread::available_parallelism().map_or(1, usize::from);
+        (machine / jobs.max(1)).max(1)
+    }
+
     /// Runs these cases and calls `tell` with the end of each. Cases that are finished already are only told. After a request to stop no
     /// case is begun; those that run end with a checkpoint.
     ///
     /// # Errors
     /// A failure if no process can be started.
     pub fn run(&self, cases: &[usize], tell: &mut dyn FnMut(&Ended)) -> Result<Vec<Ended>> {
-        let program = std::env::current_exe()
-            .map_err(|e| Failure::new(1, format!("cannot find the path of this program: {e}")))?;
         let (mut waiting, mut running) = (VecDeque::from(cases.to_vec()), Vec::new());
         let (mut ended, mut warned): (Vec<Ended>, Vec<usize>) = (Vec::new(), Vec::new());
         while !(waiting.is_empty() && running.is_empty()) {
@@ -78,7 +84,7 @@ impl Runner<'_> {
                         eprintln!("case {case} is still being written by another process: waiting for it");
                     }
                 } else {
-                    running.push(Running { case, process: self.start(&program, case)?, told: 0 });
+                    running.push(Running { case, process: self.start(case)?, told: 0 });
                 }
             }
             self.collect_ended(&mut running, &mut ended, tell)?;
@@ -90,7 +96,7 @@ impl Runner<'_> {
 
     /// Number of requests to stop.
     fn requests(&self) -> usize {
-        match self.stop.request() {
+        match (self.stop)() {
             None => 0,
             Some(Stop::AtOnce) => 2,
             Some(_) => 1,
@@ -101,11 +107,11 @@ impl Runner<'_> {
         matches!(Folder::at(&self.folder.run(case)).check_not_busy(), Err(FolderError::Busy(_)))
     }
 
-    fn start(&self, program: &Path, case: usize) -> Result<Child> {
+    fn start(&self, case: usize) -> Result<Child> {
         let log_path = self.folder.log(case);
         let log = std::fs::File::create(&log_path).map_err(Failure::file("write", &log_path))?;
         let other = log.try_clone().map_err(Failure::file("write", &log_path))?;
-        let mut command = Command::new(program);
+        let mut command = own_program::command(&self.program);
         command.arg("run").arg(self.folder.scene(case)).arg("--out").arg(self.folder.run(case));
         command.args(["--resume", "--quiet", "--threads", &self.threads.to_string()]);
         command.env("NO_COLOR", "1").stdin(Stdio::null()).stdout(log).stderr(other);

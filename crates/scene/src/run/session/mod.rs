@@ -1,4 +1,8 @@
 //! The session: the loop of one process over the steps of a run.
+//!
+//! [`Session::run`] is the whole of it. A caller that looks at the state meanwhile begins, advances from frame to frame, and ends.
+
+mod output;
 
 use super::checkpoint;
 use super::error::RunError;
@@ -6,29 +10,26 @@ use super::event::{Event, Observer, Progress};
 use super::outcome::Outcome;
 use super::scene_text::scene_text;
 use super::watchdog::{FinishOnDrop, Limits, Watchdog};
-use crate::estimate::thin_liquid;
 use crate::job::{Job, RunStatistics, Stop};
-use crate::output::frame::{FrameExtractor, NotFinite, liquid_surface};
+use crate::output::frame::{Frame, FrameExtractor, FrameParts, NotFinite, liquid_surface};
 use crate::output::log::Log;
 use crate::output::summary::{FINISHED, Summary};
-use crate::output::time_series::{self, RunValues, TimeSeriesWriter};
+use crate::output::time_series::TimeSeriesWriter;
 use crate::output::{FileError, Folder, SolidMeasures, atomic_file};
-use crate::units::format_si;
 use meniscus_sim::{ContactLine, Simulation, StepReport};
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// Shortest time between checkpoints, so that writing them does not dominate short runs.
-const MIN_CHECKPOINT_INTERVAL: Duration = Duration::from_millis(100);
-/// Longest time between checkpoints; it bounds the work that can be lost.
-const MAX_CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
+/// What is done with a simulation before each of its steps.
+pub type BeforeStep<const D: usize> = Box<dyn FnMut(&mut Simulation<D>) + Send>;
 
 /// A run in this process.
-pub(super) struct Session<'a, const D: usize> {
-    job: &'a Job,
-    folder: &'a Folder,
+pub struct Session<const D: usize> {
+    job: Job,
+    folder: Folder,
+    before_step: Option<BeforeStep<D>>,
     simulation: Simulation<D>,
     extractor: FrameExtractor<D>,
     /// The contact line of the present state.
@@ -47,19 +48,20 @@ pub(super) struct Session<'a, const D: usize> {
     watchdog: Arc<Watchdog>,
 }
 
-/// Why the loop ended without error.
-enum LoopExit {
+/// How far [`Session::advance`] came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Advance {
+    /// To the time of this frame.
+    Frame(u64),
+    /// There is no further frame: the run is complete.
     AtEnd,
+    /// A request to stop came before a step.
     StopRequested(Stop),
 }
 
-impl<'a, const D: usize> Session<'a, D> {
+impl<const D: usize> Session<D> {
     /// A new run in a prepared folder.
-    pub(super) fn start(
-        simulation: Simulation<D>,
-        job: &'a Job,
-        folder: &'a Folder,
-    ) -> Result<Self, FileError> {
+    pub(super) fn start(simulation: Simulation<D>, job: &Job, folder: &Folder) -> Result<Self, FileError> {
         atomic_file::write_atomically(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
         let tally = RunStatistics::at_start(&simulation.model, &simulation.diagnostics());
         let names = || job.solids.iter().map(|s| s.0.as_str());
@@ -73,8 +75,8 @@ impl<'a, const D: usize> Session<'a, D> {
         simulation: Simulation<D>,
         tally: RunStatistics,
         series: TimeSeriesWriter,
-        job: &'a Job,
-        folder: &'a Folder,
+        job: &Job,
+        folder: &Folder,
     ) -> Result<Self, FileError> {
         atomic_file::write_atomically(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
         let time = simulation.state.time;
@@ -85,14 +87,15 @@ impl<'a, const D: usize> Session<'a, D> {
         simulation: Simulation<D>,
         statistics: RunStatistics,
         series: TimeSeriesWriter,
-        job: &'a Job,
-        folder: &'a Folder,
+        job: &Job,
+        folder: &Folder,
         resumed_at: Option<f64>,
     ) -> Result<Self, FileError> {
         let extractor = FrameExtractor::new(&simulation.model, &job.solids);
         Ok(Self {
-            job,
-            folder,
+            job: job.clone(),
+            folder: folder.clone(),
+            before_step: None,
             contact_line: extractor.contact_line(&simulation),
             extractor,
             checkpoint: checkpoint::list(&folder.checkpoints()).first().cloned(),
@@ -110,32 +113,114 @@ impl<'a, const D: usize> Session<'a, D> {
         })
     }
 
+    /// The simulation in its present state.
+    pub fn simulation(&self) -> &Simulation<D> {
+        &self.simulation
+    }
+
+    /// The contact line of the present state.
+    pub fn contact_line(&self) -> &ContactLine<D> {
+        &self.contact_line
+    }
+
+    /// The frame of the present state, with `parts` of it that are extracted on request only.
+    ///
+    /// # Errors
+    /// [`NotFinite`] if a field or the liquid's surface is not finite.
+    pub fn frame(&self, parts: FrameParts) -> Result<Frame, NotFinite> {
+        self.extractor.frame(&self.simulation, &self.contact_line, parts)
+    }
+
+    /// Number of the next frame.
+    pub fn next_frame(&self) -> u64 {
+        self.statistics.next_frame
+    }
+
+    /// The job of the run.
+    pub fn job(&self) -> &Job {
+        &self.job
+    }
+
+    /// The summary of the present state.
+    pub fn present_summary(&self) -> Summary {
+        self.summary("running")
+    }
+
+    /// Calls a function before each step from now on. What it changes in the simulation is in no checkpoint, so a run is resumed bit for
+    /// bit only with the same function.
+    pub fn before_each_step(&mut self, function: BeforeStep<D>) {
+        self.before_step = Some(function);
+    }
+
+    /// Goes on with another job of the same scene, such as one with a longer duration.
+    ///
+    /// # Errors
+    /// [`RunError::OtherScene`] if its results are others, or a failure of the output.
+    pub fn set_job(&mut self, job: Job) -> Result<(), RunError> {
+        if job.identity != self.job.identity {
+            return Err(RunError::OtherScene(self.folder.root().to_path_buf()));
+        }
+        let next = first_frame_after(&job, self.simulation.state.time, self.statistics.next_frame);
+        if next < self.statistics.next_frame {
+            self.folder.remove_frames_from(next)?;
+            self.statistics.next_frame = next;
+        }
+        self.job = job;
+        let text = scene_text(&self.job);
+        atomic_file::write_atomically(&self.folder.scene(), |w| w.write_all(text.as_bytes()))?;
+        Ok(())
+    }
+
     /// Runs until the end, a request to stop, or a failure. Another thread watches it if the observer has a remote.
-    pub(super) fn run(
+    ///
+    /// # Errors
+    /// [`RunError`], with the last good checkpoint.
+    pub fn run(
         self,
         stop: &(dyn Fn() -> Option<Stop> + Sync),
         observer: &mut dyn Observer,
     ) -> Result<Outcome, RunError> {
-        let Some(remote) = observer.remote() else { return self.run_and_close(stop, observer) };
+        let Some(remote) = observer.remote() else { return self.run_and_end(stop, observer) };
         let (watchdog, log, summary) =
             (Arc::clone(&self.watchdog), self.log.try_clone(), self.folder.summary());
         std::thread::scope(|scope| {
             let _finish = FinishOnDrop(&watchdog);
             let watchdog = &watchdog;
             scope.spawn(move || watchdog.watch(stop, &*remote, log, &summary));
-            self.run_and_close(stop, observer)
+            self.run_and_end(stop, observer)
         })
     }
 
-    fn run_and_close(
+    fn run_and_end(
         mut self,
         stop: &dyn Fn() -> Option<Stop>,
         observer: &mut dyn Observer,
     ) -> Result<Outcome, RunError> {
-        let left = self.begin(observer).and_then(|()| self.run_steps(stop, observer));
+        let mut left = self.begin(observer).map(|()| Advance::Frame(0));
+        while let Ok(Advance::Frame(_)) = left {
+            left = self.advance(stop, observer);
+        }
+        self.end(left, observer)
+    }
+
+    /// Writes the last checkpoint and the summary of a run that was left with this result of [`Self::begin`] or [`Self::advance`].
+    /// [`Advance::Frame`] counts as a request of the caller to stop.
+    ///
+    /// # Errors
+    /// The error of the run or that of its last files, with the last good checkpoint.
+    pub fn end(
+        &mut self,
+        left: Result<Advance, RunError>,
+        observer: &mut dyn Observer,
+    ) -> Result<Outcome, RunError> {
+        let left = left.map(|advance| match advance {
+            Advance::AtEnd => None,
+            Advance::StopRequested(stop) => Some(stop),
+            Advance::Frame(_) => Some(Stop::Caller),
+        });
         let reason = match &left {
-            Ok(LoopExit::AtEnd) => FINISHED.to_string(),
-            Ok(LoopExit::StopRequested(stop)) => stop.reason().to_string(),
+            Ok(None) => FINISHED.to_string(),
+            Ok(Some(stop)) => stop.reason().to_string(),
             Err(error) => format!("failed: {error}"),
         };
         // After a failure of the solver the state is the last good one, unless it is not finite.
@@ -147,12 +232,16 @@ impl<'a, const D: usize> Session<'a, D> {
         match (left, closed) {
             (Err(error), _) => Err(self.with_checkpoint(error)),
             (Ok(_), Err(error)) => Err(self.with_checkpoint(error)),
-            (Ok(LoopExit::AtEnd), Ok(summary)) => Ok(Outcome::Finished(summary)),
-            (Ok(LoopExit::StopRequested(stop)), Ok(summary)) => Ok(Outcome::Stopped(stop, summary)),
+            (Ok(None), Ok(summary)) => Ok(Outcome::Finished(summary)),
+            (Ok(Some(stop)), Ok(summary)) => Ok(Outcome::Stopped(stop, summary)),
         }
     }
 
-    fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+    /// Begins or continues the run: a new one writes its first row, frame and checkpoint.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let event = Event::Begin {
             scene: self.job.name.clone(),
             dimension: D,
@@ -184,35 +273,37 @@ impl<'a, const D: usize> Session<'a, D> {
         self.write_checkpoint(observer)
     }
 
-    fn run_steps(
+    /// Steps to the time of the next frame and writes it, unless `stop` asks to stop between two steps.
+    ///
+    /// # Errors
+    /// [`RunError`]; the state is then that before the failed step.
+    pub fn advance(
         &mut self,
         stop: &dyn Fn() -> Option<Stop>,
         observer: &mut dyn Observer,
-    ) -> Result<LoopExit, RunError> {
+    ) -> Result<Advance, RunError> {
         while self.statistics.next_frame <= self.job.last_frame() {
             if let Some(stop) = stop() {
-                return Ok(LoopExit::StopRequested(stop));
+                return Ok(Advance::StopRequested(stop));
             }
             let report = self.step()?;
             if let Some(message) = self.watchdog.end(report.dt) {
                 self.emit(Event::Warning { message }, observer)?;
             }
             observer.notify(&Event::Step(self.progress(&report)));
-            if self.job.schedule.has_reached_frame(self.simulation.state.time, self.statistics.next_frame) {
+            let number = self.statistics.next_frame;
+            let reached = self.job.schedule.has_reached_frame(self.simulation.state.time, number);
+            if reached {
                 self.write_frame(observer)?;
             }
             if self.checkpoint_is_due() {
                 self.write_checkpoint(observer)?;
             }
+            if reached {
+                return Ok(Advance::Frame(number));
+            }
         }
-        Ok(LoopExit::AtEnd)
-    }
-
-    fn checkpoint_is_due(&self) -> bool {
-        let frames = self.statistics.next_frame.saturating_sub(self.checkpoint_frame);
-        let pause = self.checkpoint_time.elapsed();
-        pause >= MAX_CHECKPOINT_INTERVAL
-            || frames >= self.job.checkpoint_every && pause >= MIN_CHECKPOINT_INTERVAL
+        Ok(Advance::AtEnd)
     }
 
     /// Description of the narrowest gap between solids; empty if none is narrow.
@@ -232,6 +323,9 @@ impl<'a, const D: usize> Session<'a, D> {
 
     /// One time step and its row.
     fn step(&mut self) -> Result<StepReport<D>, RunError> {
+        if let Some(before) = &mut self.before_step {
+            before(&mut self.simulation);
+        }
         let (schedule, frame) = (&self.job.schedule, self.statistics.next_frame);
         let fixed = self.simulation.model.numerics.fixed_step.is_some();
         let longest =
@@ -270,105 +364,8 @@ impl<'a, const D: usize> Session<'a, D> {
         }
     }
 
-    fn append_row(&mut self, report: &StepReport<D>, momentum_error: f64) -> Result<(), RunError> {
-        self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
-        let run = RunValues { momentum_error, wall_seconds: self.statistics.wall_seconds };
-        let row = time_series::row(&self.simulation, report, &self.contact_line, &run, &self.measures);
-        Ok(self.series.append(&row)?)
-    }
-
-    fn write_frame(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let start = Instant::now();
-        let number = self.statistics.next_frame;
-        let frame = self.extractor.frame(&self.simulation, &self.contact_line, self.job.frame_parts());
-        let frame = frame.map_err(|NotFinite { what }| self.not_finite(what))?;
-        self.statistics.next_frame += 1;
-        self.statistics.add_overlaps(self.simulation.solids());
-        self.check_thin_liquid(observer)?;
-        if !self.job.writes(number) {
-            return Ok(());
-        }
-        let mut paths = Vec::new();
-        for writer in &self.job.writers {
-            paths.push(writer.write(self.folder, number, &frame)?);
-        }
-        // The event names the file of the first writer.
-        let path = paths.into_iter().next().unwrap_or_else(|| self.folder.frames());
-        self.statistics.add_phase("frames", start.elapsed().as_secs_f64());
-        self.emit(Event::Frame { frame: number, time: self.simulation.state.time, path }, observer)
-    }
-
-    /// Warns once per run of liquid that the grid does not resolve.
-    fn check_thin_liquid(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let (start, time) = (Instant::now(), self.simulation.state.time);
-        let thin = thin_liquid::of_simulation(&self.simulation);
-        let first = self.statistics.add_thin_liquid(time, &thin);
-        self.statistics.add_phase("thin liquid", start.elapsed().as_secs_f64());
-        let Some(place) = thin.place.filter(|_| first) else { return Ok(()) };
-        let place: Vec<String> = place.iter().map(|x| format_si(*x, "m")).collect();
-        let message = format!(
-            "at time {} {:.1} % of the liquid is in regions thinner than two cells, near ({}): the grid does not resolve films, \
-             threads and gaps there (`thin_liquid` in summary.json has the largest share)",
-            format_si(time, "s"),
-            100.0 * thin.share,
-            place.join(", ")
-        );
-        self.emit(Event::Warning { message }, observer)
-    }
-
-    fn write_checkpoint(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let start = Instant::now();
-        self.statistics.series_bytes = self.series.sync()?;
-        self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
-        let state = &self.simulation.state;
-        let (step, time) = (state.step, state.time);
-        let path = checkpoint::write(&self.folder.checkpoints(), self.job.identity, state, &self.statistics)?;
-        self.checkpoint = Some(path.clone());
-        self.checkpoint_frame = self.statistics.next_frame;
-        self.summary("running").write(&self.folder.summary())?;
-        self.statistics.add_phase("checkpoints", start.elapsed().as_secs_f64());
-        self.checkpoint_time = Instant::now();
-        self.emit(Event::Checkpoint { step, time, path }, observer)
-    }
-
-    /// Writes the remaining output, after a failure as far as possible. The state is the last good one unless it is not finite.
-    fn close(
-        &mut self,
-        reason: &str,
-        is_state_good: bool,
-        observer: &mut dyn Observer,
-    ) -> Result<Summary, RunError> {
-        let saved = if is_state_good { self.write_checkpoint(observer) } else { Ok(()) };
-        let written = self.series.sync();
-        self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
-        let summary = self.summary(reason);
-        let told = summary.write(&self.folder.summary());
-        let state = &self.simulation.state;
-        let event = Event::End {
-            reason: reason.to_string(),
-            steps: state.step,
-            time: state.time,
-            wall_seconds: self.statistics.wall_seconds,
-        };
-        self.emit(event, observer)?;
-        saved?;
-        written?;
-        told?;
-        Ok(summary)
-    }
-
     fn state_is_finite(&self) -> bool {
         liquid_surface(&self.simulation).is_ok()
-    }
-
-    fn emit(&mut self, event: Event, observer: &mut dyn Observer) -> Result<(), RunError> {
-        observer.notify(&event);
-        let line = serde_json::to_value(&event).unwrap_or_default();
-        Ok(self.log.write(&line)?)
-    }
-
-    fn summary(&self, reason: &str) -> Summary {
-        Summary::of(self.job, &self.simulation, &self.contact_line, &self.statistics, reason)
     }
 
     fn progress(&self, report: &StepReport<D>) -> Progress {
@@ -405,4 +402,10 @@ impl<'a, const D: usize> Session<'a, D> {
             other => other,
         }
     }
+}
+
+/// Number of the frame to write next at a time, when `next` was the next one of an earlier job: the last frame of a shorter run may lie
+/// before its time in a longer one.
+pub(super) fn first_frame_after(job: &Job, time: f64, next: u64) -> u64 {
+    (0..next).rev().find(|frame| job.schedule.has_reached_frame(time, *frame)).map_or(0, |frame| frame + 1)
 }
