@@ -2,6 +2,7 @@
 
 use crate::errors::OrRaise;
 use crate::simulation::{Simulation, StartOptions};
+use crate::stored::json_value;
 use meniscus_cli::{Failure, Quality, SceneArgs, load};
 use meniscus_scene::estimate::check::check;
 use meniscus_scene::estimate::memory;
@@ -177,7 +178,7 @@ impl Scene {
             })?;
         }
         let json = serde_json::to_string(at).map_err(|e| PyValueError::new_err(e.to_string()))?;
-        Ok(py.import("json")?.call_method1("loads", (json,))?.unbind())
+        json_value(py, &json)
     }
 
     /// Moves a rigid solid along a function of time: ``function(t)``, t in s, returns its displacement from the place at the start, m, 2 or 3
@@ -211,8 +212,8 @@ impl Scene {
         self.set(py, vec![format!("solid.{solid}.material={material}")])
     }
 
-    /// Text and JSON of `meniscus check`.
-    fn _check(&self, py: Python<'_>) -> PyResult<(String, String)> {
+    /// The report of ``meniscus check``: dimensionless numbers, lengths, cells, memory, time, warnings. See ``Check``.
+    fn check(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let scene = self.loaded(py)?;
         let found = py.detach(|| {
             let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -223,7 +224,9 @@ impl Scene {
             memory::check_liquid_memory(&scene, memory::machine_memory())?;
             Ok((report.render(), serde_json::json!(report).to_string()))
         });
-        found.or_raise(py)
+        let (text, values) = found.or_raise(py)?;
+        let values = json_value(py, &values)?;
+        Ok(py.import("meniscus._cases")?.call_method1("Check", (text, values))?.unbind())
     }
 
     /// Opens an output folder (by default ``out/NAME``) for a run, which is the same as that of ``meniscus run``. See ``Simulation``.

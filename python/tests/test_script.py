@@ -11,6 +11,8 @@ def test_the_script(tmp_path, monkeypatch, capsys):
 
     scene = mn.Scene("drop-on-soft-plate", quality="draft")
     scene["tension.plate.contact_angle"] = "110 deg"
+    scene["domain.quality.draft"] = 32  # coarser than a draft, and a coarser mesh
+    scene["solid.plate.mesh.edge"] = "0.4 mm"
     scene["output.frame_interval"] = "1 ms"
     report = scene.check()
     print(report)

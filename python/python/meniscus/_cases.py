@@ -30,11 +30,6 @@ class Check(Dict[str, Any]):
         return (Check, (self.text, dict(self)))
 
 
-def _check(scene: Scene) -> Check:
-    text, values = scene._check()
-    return Check(text, json.loads(values))
-
-
 def builtin_scenes() -> List[Dict[str, Any]]:
     """The built-in scenes: a list of dicts with ``name``, ``dimension``, ``figure``, ``line`` and ``cost``."""
     return json.loads(_meniscus.builtin_scenes())
@@ -77,7 +72,3 @@ def run_case(
     results["settings"] = dict(settings or {})
     results["folder"] = os.fspath(simulation.folder)
     return results
-
-
-# A method in Python of a class in Rust.
-Scene.check = _check

@@ -45,7 +45,7 @@ class Table(Mapping[str, "numpy.ndarray"]):
 
     def to_pandas(self) -> Any:
         """The table as a ``pandas.DataFrame``; pandas has to be installed."""
-        import pandas
+        import pandas  # type: ignore
 
         return pandas.DataFrame(dict(self._columns))
 
