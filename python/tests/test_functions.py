@@ -6,6 +6,7 @@ import numpy
 import pytest
 
 import meniscus as mn
+from conftest import content
 
 
 def free_drop(scene_file):
@@ -37,6 +38,20 @@ def test_gravity_is_a_function_of_time(scene_file, tmp_path):
     assert "Gravity was a function" in (tmp_path / "out" / "scene.toml").read_text()
     with pytest.raises(mn.OutputError, match="another scene"):
         scene.start(tmp_path / "out", resume=True, until="2 ms")
+
+
+def test_a_run_with_gravity_goes_on_with_the_same_bits(scene_file, tmp_path):
+    def gravity(t):
+        return [20 * math.sin(3000 * t), -9.81]
+
+    scene = free_drop(scene_file)
+    mn.run(scene, tmp_path / "whole", gravity=gravity)
+    with scene.start(tmp_path / "cut", gravity=gravity) as sim:
+        for frame in sim.frames():
+            if frame.number == 1:
+                break
+    mn.run(scene, tmp_path / "cut", gravity=gravity, resume=True)
+    assert content(tmp_path / "cut") == content(tmp_path / "whole")
 
 
 def test_an_error_of_the_function_ends_the_run_with_a_checkpoint(scene_file, tmp_path):
