@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub struct Ledger {
     /// Volume of the liquid, m^3 (2D: m^2).
     pub volume: f64,
-    /// Relative error of the volume now, with a sign.
+    /// Sum of the absolute errors of the volumes of all drops over the volume of the liquid, with the sign of the net error.
     pub volume_error: f64,
     /// Centre of mass of the liquid, m: a tuple of 2 or 3 numbers.
     pub centroid: Vec<f64>,
@@ -56,7 +56,7 @@ impl<const D: usize> From<Diagnostics<D>> for Ledger {
     }
 }
 
-/// What a frame is made of.
+/// The data of a frame, before it becomes a [`Frame`] of Python.
 pub struct Snapshot {
     /// Its content.
     pub content: FrameContent,
@@ -283,7 +283,7 @@ pub fn save(frame: &FrameContent, name: &str, path: &Path) -> Result<(), Failure
         }
         std::fs::rename(&file, path).map_err(|e| FileError::of("write", path)(e).into())
     });
-    // What remains are files that a sequence of frames has, such as `run.usda`.
+    // The writer may also have made files for a sequence of frames, such as `run.usda`; they are deleted.
     let _ = std::fs::remove_dir_all(folder.root());
     done
 }

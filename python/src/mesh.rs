@@ -266,8 +266,10 @@ impl Elements {
     fn simplices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let of = self.content()?;
         let corners = if of.are_triangles { 3 } else { 4 };
-        let all: Vec<u32> = of.simplices.iter().flat_map(|s| &s[..corners]).copied().collect();
-        self.cache.get(py, "simplices", || array(py, &all, Kind::Index, vec![of.simplices.len(), corners]))
+        self.cache.get(py, "simplices", || {
+            let all: Vec<u32> = of.simplices.iter().flat_map(|s| &s[..corners]).copied().collect();
+            array(py, &all, Kind::Index, vec![of.simplices.len(), corners])
+        })
     }
 
     /// Names of the attributes.

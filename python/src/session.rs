@@ -162,17 +162,10 @@ impl AnySession {
 
     /// Sets gravity before each step to that of a function at the time of its start; where it fails gravity stays.
     pub fn set_gravity(&mut self, mut of: Acceleration) {
-        match self {
-            Self::D2(session) => session.before_each_step(Box::new(move |simulation| {
-                if let Some(g) = of(simulation.state.time) {
-                    simulation.model.gravity = Vector::from_fn(|a, _| g.get(a).copied().unwrap_or(0.0));
-                }
-            })),
-            Self::D3(session) => session.before_each_step(Box::new(move |simulation| {
-                if let Some(g) = of(simulation.state.time) {
-                    simulation.model.gravity = Vector::from_fn(|a, _| g.get(a).copied().unwrap_or(0.0));
-                }
-            })),
-        }
+        with_either!(self, session => session.before_each_step(Box::new(move |simulation| {
+            if let Some(g) = of(simulation.state.time) {
+                simulation.set_gravity(Vector::from_fn(|a, _| g.get(a).copied().unwrap_or(0.0)));
+            }
+        })))
     }
 }

@@ -15,6 +15,7 @@ pub use error::RunError;
 pub use event::RemoteObserver;
 pub use event::{Event, Observer, Progress, SilentObserver};
 pub use outcome::Outcome;
+pub use resume::reopen;
 pub use session::{Advance, BeforeStep, Session};
 
 use crate::output::frame::FrameParts;
@@ -43,7 +44,7 @@ where
     }
 }
 
-/// What an output folder was opened as.
+/// Result of [`open`].
 pub enum Opened<const D: usize> {
     /// A run that begins or goes on.
     Session(Box<Session<D>>),
@@ -71,29 +72,13 @@ where
         return Ok(Opened::AlreadyFinished(Box::new(summary)));
     }
     let session = match existing {
-        ExistingRun::Resume => resume::resume(setup, job, folder, observer)?,
+        ExistingRun::Resume => reopen(setup, job, folder, observer)?,
         _ => {
             folder.prepare(existing == ExistingRun::Replace)?;
             Session::start(setup.simulation(), job, folder)?
         }
     };
     Ok(Opened::Session(Box::new(session)))
-}
-
-/// Opens the folder of a run at its last checkpoint, also that of a run that is complete.
-///
-/// # Errors
-/// [`RunError`].
-pub fn reopen<const D: usize>(
-    setup: &Setup<D>,
-    job: &Job,
-    folder: &Folder,
-    observer: &mut dyn Observer,
-) -> Result<Session<D>, RunError>
-where
-    Simulation<D>: Compiled<D>,
-{
-    resume::resume(setup, job, folder, observer)
 }
 
 /// The summary of an earlier run, if it has done all that this job asks.

@@ -12,8 +12,11 @@ use crate::output::{FileError, Folder};
 use meniscus_sim::Compiled;
 use meniscus_sim::Simulation;
 
-/// A session that continues from the newest undamaged checkpoint. Without any checkpoint the run begins.
-pub(super) fn resume<const D: usize>(
+/// Opens the folder of a run, complete or not, at the newest undamaged checkpoint. Without any checkpoint the run begins.
+///
+/// # Errors
+/// [`RunError`].
+pub fn reopen<const D: usize>(
     setup: &Setup<D>,
     job: &Job,
     folder: &Folder,

@@ -54,6 +54,11 @@ impl<const D: usize> DualGrid<D> {
         Self { grid, split: SimplexSplit::new(), solid_cells: Vec::new(), bond_vector }
     }
 
+    /// Sets `w = −ρ g Δ²/γ`, in 1/cells², for the cubes that are cut from now on.
+    pub fn set_bond_vector(&mut self, bond_vector: Vector<D>) {
+        self.bond_vector = bond_vector;
+    }
+
     /// Finds the cubes that solids cut; `nearest` returns the index of the nearest solid and the cosine of its contact angle.
     pub fn update_solids(
         &mut self,

@@ -228,6 +228,12 @@ impl<const D: usize> Simulation<D> {
         (self.functions.step)(self, max_dt, phase_end)
     }
 
+    /// Sets the acceleration of gravity, m/s², from the next step on. No checkpoint has it: it belongs to the model.
+    pub fn set_gravity(&mut self, gravity: Vector<D>) {
+        self.model.gravity = gravity;
+        self.workspace.dual_grid.set_bond_vector(self.model.cell_bond_vector());
+    }
+
     fn advance(&mut self, max_dt: f64, phase_end: PhaseEnd<'_>) -> Result<StepReport<D>, StepError> {
         let start = self.step_start()?;
         let mut dt = self.choose_dt(start.max_stable_dt, max_dt);

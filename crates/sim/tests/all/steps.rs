@@ -80,3 +80,25 @@ fn the_scheme_of_the_paper_resumes_with_the_same_bits_and_undoes_a_step() {
         assert!(pressed && whole.state.velocity_lead == 0.0 && whole.state.step == 20);
     }
 }
+
+/// Gravity that is set before the first step is that of the model, bit for bit: everything that depends on it follows, such as the weight in
+/// the energy of the surface beside solids.
+#[test]
+fn gravity_that_is_set_acts_as_that_of_the_model() {
+    let gravity = Vector::from([0.4, -2.0]);
+    let start = |gravity: Vector<2>| {
+        let floor = Shape::HalfSpace { point: Vector::from([0.0, 0.211]), normal: Vector::from([0.0, 1.0]) };
+        let mut model = model(24, 1.0 / 24.0, vec![Solid::new(floor, SolidKind::Fixed, 1.0)]);
+        model.gravity = gravity;
+        let drop = |x: &Vector<2>| (x - Vector::from([0.5, 0.3])).norm() - 0.2;
+        Simulation::new(model, &[LiquidRegion { signed_distance: &drop, velocity: Vector::zeros() }])
+    };
+    let (mut of_model, mut set) = (start(gravity), start(Vector::zeros()));
+    set.set_gravity(gravity);
+    for _ in 0..5 {
+        for simulation in [&mut of_model, &mut set] {
+            simulation.step(0.1, &mut |_| {}).expect("a step");
+        }
+    }
+    assert!(of_model.state == set.state);
+}

@@ -30,7 +30,7 @@ pub struct Interval {
     pub unit: String,
 }
 
-/// What was wrong, and what is accepted.
+/// An error in a value: the message, and the help that says which values are accepted.
 pub type ValueError = (String, String);
 
 const RANGE_HELP: &str = "write PATH=A:B:N for N values from A to B, such as liquid.density=\"1:2:5 g/cm^3\", or a list PATH=V1,V2";
@@ -40,7 +40,7 @@ impl Vary {
     /// Reads `PATH=A:B:N`, with the unit after any of the numbers, or `PATH=V1,V2,…`, where a unit of the last value is that of all.
     ///
     /// # Errors
-    /// What was wrong, and what is accepted.
+    /// [`ValueError`] if the text has no such form.
     pub fn parse(text: &str) -> Result<Self, ValueError> {
         let (path, values) = split_path(text, RANGE_HELP)?;
         let items = split_list(values);

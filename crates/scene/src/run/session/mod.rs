@@ -22,7 +22,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What is done with a simulation before each of its steps.
+/// A function that a session calls with its simulation before each step.
 pub type BeforeStep<const D: usize> = Box<dyn FnMut(&mut Simulation<D>) + Send>;
 
 /// A run in this process.

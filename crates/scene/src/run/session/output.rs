@@ -1,4 +1,4 @@
-//! What a session writes: rows, frames, checkpoints, the log and the summary.
+//! Output of a session: it writes rows of the time series, frames, checkpoints, the log and the summary.
 
 use super::Session;
 use crate::estimate::thin_liquid;
