@@ -1,7 +1,7 @@
 //! Parallel loops whose results do not depend on the number of threads.
 //!
 //! A loop is cut into tasks, which `run` distributes over the threads of the current pool. It calls them through a pointer, so that the
-//! distribution is compiled once; iterators of rayon are compiled anew for each loop and were a third of the machine code.
+//! distribution is compiled once; iterators of rayon are compiled anew for each loop (book, E49).
 
 use crate::grid::Segment;
 use rayon::prelude::*;

@@ -40,7 +40,7 @@ impl Vary {
     /// Reads `PATH=A:B:N`, with the unit after any of the numbers, or `PATH=V1,V2,…`, where a unit of the last value is that of all.
     ///
     /// # Errors
-    /// [`ValueError`] if the text has no such form.
+    /// A message and a help that says which values are accepted.
     pub fn parse(text: &str) -> Result<Self, ValueError> {
         let (path, values) = split_path(text, RANGE_HELP)?;
         let items = split_list(values);
