@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Place, assert_same, frames, series, signal, text, wait_for_frames, words};
+use common::{Place, assert_same, frames, series, signal, text, wait_for, wait_for_frames, words};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use std::path::Path;
 use std::process::Command;
@@ -192,6 +192,25 @@ fn two_runs_cannot_share_a_folder() {
     }
     signal(&child, "TERM");
     assert_eq!(child.wait_with_output().unwrap().status.code(), Some(75));
+
+    // Of two that begin at the same time one runs and one is refused.
+    for flag in ["--resume", "--force"] {
+        let line = format!("run small.toml --until 100s --out b {flag} --quiet");
+        let mut both = [0, 1].map(|_| place.start(&line));
+        let mut ended = None;
+        wait_for(|| {
+            ended = both.iter_mut().position(|run| run.try_wait().unwrap().is_some());
+            ended.is_some()
+        });
+        both.rotate_left(ended.unwrap());
+        let [refused, other] = both;
+        let output = refused.wait_with_output().unwrap();
+        let said = words(&text(&output.stderr));
+        assert!(output.status.code() == Some(4) && said.contains("another run is writing"), "{said}");
+        wait_for_frames(&place.path("b"), 2);
+        signal(&other, "TERM");
+        assert_eq!(other.wait_with_output().unwrap().status.code(), Some(75));
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Place, assert_same, signal, text, wait_for_frames, words};
+use common::{Place, assert_same, signal, text, wait_for, wait_for_frames, words};
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::time::SystemTime;
@@ -126,10 +126,13 @@ fn a_stopped_sweep_goes_on_with_the_same_bits() {
     assert_eq!(column(&table(&place.path("slow/sweep.csv")), "state"), ["stopped: signal"; 2]);
 
     // Killed, its cases go on to their end; the next process waits for them.
-    let mut child = place.start(&format!("{line} --out killed"));
-    wait_for_frames(&place.path("killed/case_0000"), 2);
-    child.kill().unwrap();
-    child.wait().unwrap();
+    for frames in [0, 2] {
+        let mut child = place.start(&format!("{line} --out killed"));
+        wait_for(|| place.path("killed/case_0001.log").exists());
+        wait_for_frames(&place.path("killed/case_0000"), frames);
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
     place.expect(&format!("{line} --out killed --quiet"), 0);
     for case in ["case_0000", "case_0001"] {
         assert_same(&place.path("whole").join(case), &place.path("killed").join(case));

@@ -153,14 +153,18 @@ pub fn assert_same(a: &Path, b: &Path) {
 
 /// Waits until the run has written so many rows.
 pub fn wait_for_frames(run: &Path, count: usize) {
+    wait_for(|| std::fs::read_dir(run.join("frames")).map_or(0, Iterator::count) >= count);
+}
+
+/// Waits until something is so, for a minute at most.
+pub fn wait_for(mut is_so: impl FnMut() -> bool) {
     for _ in 0..3000 {
-        let frames = std::fs::read_dir(run.join("frames")).map_or(0, Iterator::count);
-        if frames >= count {
+        if is_so() {
             return;
         }
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
-    panic!("{} frames did not come", count);
+    panic!("what the test waits for did not come in a minute");
 }
 
 /// Sends a signal.

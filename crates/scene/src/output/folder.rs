@@ -1,6 +1,7 @@
 //! The output folder of a run: its paths, its lock.
 
 use super::atomic_file::{self, FileError};
+use super::log::Log;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -25,18 +26,9 @@ pub enum FolderError {
     File(#[from] FileError),
 }
 
-/// Names of everything that a run writes; nothing else in the folder is touched.
-const ENTRIES: &[&str] = &[
-    "scene.toml",
-    "summary.json",
-    "timeseries.csv",
-    "log.jsonl",
-    "frames",
-    "checkpoints",
-    "render",
-    "page",
-    "export",
-];
+/// Names of everything that a run writes, except its log; nothing else in the folder is removed.
+const ENTRIES: &[&str] =
+    &["scene.toml", "summary.json", "timeseries.csv", "frames", "checkpoints", "render", "page", "export"];
 
 impl Folder {
     /// The folder at a path; nothing is read or written.
@@ -101,31 +93,42 @@ impl Folder {
             .any(|name| self.root.join(name).exists())
     }
 
-    /// Prepares the folder for a new run. `force` removes an earlier run.
+    /// Locks the folder and prepares it for a new run. `force` removes an earlier run. The folder is locked as long as the log is open.
     ///
     /// # Errors
     /// [`FolderError`].
-    pub fn prepare(&self, force: bool) -> Result<(), FolderError> {
-        if self.holds_a_run() {
-            if !force {
-                return Err(FolderError::Taken(self.root.clone()));
-            }
-            self.check_not_busy()?;
-            self.clear()?;
+    pub fn prepare(&self, force: bool) -> Result<Log, FolderError> {
+        let log = self.lock()?;
+        if self.holds_a_run() && !force {
+            return Err(FolderError::Taken(self.root.clone()));
         }
+        self.renew(&log)?;
+        Ok(log)
+    }
+
+    /// Removes an earlier run from a folder whose log this process has locked, and makes the missing folders.
+    ///
+    /// # Errors
+    /// [`FolderError::File`].
+    pub fn renew(&self, log: &Log) -> Result<(), FolderError> {
+        self.clear()?;
+        log.clear()?;
         self.make()
     }
 
-    /// Refuses a folder into which another process writes; such a process holds a lock on the log.
+    /// Opens the log and locks it. A process does so before it reads or changes anything in the folder, so no two can write into it.
     ///
     /// # Errors
-    /// [`FolderError::Busy`].
-    pub fn check_not_busy(&self) -> Result<(), FolderError> {
-        let Ok(log) = std::fs::File::open(self.log()) else { return Ok(()) };
-        match log.try_lock() {
-            Err(std::fs::TryLockError::WouldBlock) => Err(FolderError::Busy(self.root.clone())),
-            _ => Ok(()),
-        }
+    /// [`FolderError::Busy`] if another process has locked it, [`FolderError::File`].
+    pub fn lock(&self) -> Result<Log, FolderError> {
+        atomic_file::create_folder(&self.root)?;
+        Log::lock(&self.log())?.ok_or_else(|| FolderError::Busy(self.root.clone()))
+    }
+
+    /// Whether another process writes into the folder. The answer may be outdated at once; only [`Folder::lock`] decides.
+    pub fn is_busy(&self) -> bool {
+        let locked = std::fs::File::open(self.log()).map(|log| log.try_lock_shared());
+        matches!(locked, Ok(Err(std::fs::TryLockError::WouldBlock)))
     }
 
     /// Makes the missing folders.

@@ -2,9 +2,13 @@
 
 use super::atomic_file::FileError;
 use serde_json::Value;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Longest time for which [`super::Folder::is_busy`] holds the lock, with a wide margin.
+const GLANCE: Duration = Duration::from_millis(100);
 
 /// The log, open for appending, so that a resumed run continues it. While open it is locked, which marks the folder as in use.
 pub struct Log {
@@ -13,16 +17,26 @@ pub struct Log {
 }
 
 impl Log {
-    /// Opens or creates the file.
+    /// Opens or creates the file and locks it; none if another process has locked it.
     ///
     /// # Errors
     /// [`FileError`].
-    pub fn open(path: &Path) -> Result<Self, FileError> {
+    pub(super) fn lock(path: &Path) -> Result<Option<Self>, FileError> {
         let file = OpenOptions::new().append(true).create(true).open(path);
         let file = file.map_err(FileError::of("write", path))?;
         // Some file systems have no locks; then two runs in one folder are not noticed.
-        let _ = file.try_lock();
-        Ok(Self { path: path.to_path_buf(), file })
+        let is_locked = || matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+        // Whoever only looks whether the folder is in use holds a lock for an instant.
+        let is_taken = is_locked() && {
+            std::thread::sleep(GLANCE);
+            is_locked()
+        };
+        Ok((!is_taken).then(|| Self { path: path.to_path_buf(), file }))
+    }
+
+    /// Removes all lines.
+    pub(super) fn clear(&self) -> Result<(), FileError> {
+        self.file.set_len(0).map_err(FileError::of("write", &self.path))
     }
 
     /// The same file for another thread; none if the system has no more handles.

@@ -22,6 +22,7 @@ use crate::output::frame::FrameParts;
 use crate::output::summary::{FINISHED, Summary};
 use crate::output::{FileError, Folder};
 use meniscus_sim::{Compiled, Simulation};
+use session::Output;
 
 /// Runs a simulation into a folder. `stop` is polled between steps, and from another thread within them.
 ///
@@ -74,8 +75,8 @@ where
     let session = match existing {
         ExistingRun::Resume => reopen(setup, job, folder, observer)?,
         _ => {
-            folder.prepare(existing == ExistingRun::Replace)?;
-            Session::start(setup.simulation(), job, folder)?
+            let log = folder.prepare(existing == ExistingRun::Replace)?;
+            Session::start(setup.simulation(), Output { job, folder, log })?
         }
     };
     Ok(Opened::Session(Box::new(session)))

@@ -4,7 +4,7 @@ use super::RunError;
 use super::checkpoint::{self, CheckpointError};
 use super::event::{Event, Observer};
 use super::scene_text::identity_line;
-use super::session::{Session, first_frame_after};
+use super::session::{Output, Session, first_frame_after};
 use crate::build::Setup;
 use crate::job::Job;
 use crate::output::time_series::TimeSeriesWriter;
@@ -25,7 +25,7 @@ pub fn reopen<const D: usize>(
 where
     Simulation<D>: Compiled<D>,
 {
-    folder.check_not_busy()?;
+    let log = folder.lock()?;
     let mut failure = None;
     for path in checkpoint::list(&folder.checkpoints()) {
         match checkpoint::read(&path, job.identity, setup.model.grid) {
@@ -40,7 +40,7 @@ where
                 folder.make()?;
                 folder.remove_frames_from(tally.next_frame)?;
                 let simulation = Simulation::resume(setup.model.clone(), state);
-                return Ok(Session::resume(simulation, tally, series, job, folder)?);
+                return Ok(Session::resume(simulation, tally, series, Output { job, folder, log })?);
             }
             Err(error @ CheckpointError::Foreign { .. }) => return Err(error.into()),
             Err(error) => {
@@ -56,8 +56,8 @@ where
             if folder.holds_a_run() {
                 check_identity(job, folder)?;
             }
-            folder.prepare(true)?;
-            Ok(Session::start(setup.simulation(), job, folder)?)
+            folder.renew(&log)?;
+            Ok(Session::start(setup.simulation(), Output { job, folder, log })?)
         }
     }
 }

@@ -200,8 +200,7 @@ struct Progress<'a> {
 impl Progress<'_> {
     fn tell(&mut self, end: &Ended, sets: &str) {
         self.done += 1;
-        let failed = ![0, MISSED, STOPPED].contains(&end.status);
-        if self.quiet && !failed {
+        if self.quiet && !end.has_failed() {
             return;
         }
         let how = match end.status {

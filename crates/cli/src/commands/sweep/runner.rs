@@ -5,11 +5,11 @@
 
 use super::outcome::Outcome;
 use super::plan::SweepFolder;
-use crate::failure::{Failure, Result, STOPPED};
+use crate::failure::{Failure, MISSED, Result, STOPPED};
 use crate::own_program;
-use meniscus_scene::output::{Folder, FolderError};
+use meniscus_scene::output::Folder;
 use meniscus_scene::run::Stop;
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::ffi::OsString;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::Duration;
@@ -40,6 +40,13 @@ pub struct Ended {
     pub status: u8,
 }
 
+impl Ended {
+    /// Whether the case has neither finished nor stopped on request.
+    pub fn has_failed(&self) -> bool {
+        ![0, MISSED, STOPPED].contains(&self.status)
+    }
+}
+
 /// A process that runs a case.
 struct Running {
     case: usize,
@@ -62,7 +69,7 @@ impl Runner<'_> {
     /// A failure if no process can be started.
     pub fn run(&self, cases: &[usize], tell: &mut dyn FnMut(&Ended)) -> Result<Vec<Ended>> {
         let (mut waiting, mut running) = (VecDeque::from(cases.to_vec()), Vec::new());
-        let (mut ended, mut warned): (Vec<Ended>, Vec<usize>) = (Vec::new(), Vec::new());
+        let (mut ended, mut warned): (Vec<Ended>, BTreeSet<usize>) = (Vec::new(), BTreeSet::new());
         while !(waiting.is_empty() && running.is_empty()) {
             let requests = self.requests();
             if requests > 0 {
@@ -79,15 +86,20 @@ impl Runner<'_> {
                     close(&mut ended, Ended { case, status: outcome.status() }, tell);
                 } else if self.is_busy(case) {
                     waiting.push_back(case);
-                    if !warned.contains(&case) {
-                        warned.push(case);
+                    if warned.insert(case) {
                         eprintln!("case {case} is still being written by another process: waiting for it");
                     }
                 } else {
                     running.push(Running { case, process: self.start(case)?, told: 0 });
                 }
             }
-            self.collect_ended(&mut running, &mut ended, tell)?;
+            for end in self.collect_ended(&mut running)? {
+                // Another process may have locked the folder after the look at it.
+                match end.has_failed() && self.is_busy(end.case) {
+                    true => waiting.push_back(end.case),
+                    false => close(&mut ended, end, tell),
+                }
+            }
             std::thread::sleep(LOOK);
         }
         ended.sort_by_key(|e| e.case);
@@ -104,7 +116,7 @@ impl Runner<'_> {
     }
 
     fn is_busy(&self, case: usize) -> bool {
-        matches!(Folder::at(&self.folder.run(case)).check_not_busy(), Err(FolderError::Busy(_)))
+        Folder::at(&self.folder.run(case)).is_busy()
     }
 
     fn start(&self, case: usize) -> Result<Child> {
@@ -121,26 +133,22 @@ impl Runner<'_> {
         command.spawn().map_err(|e| Failure::new(1, format!("cannot start a process for case {case}: {e}")))
     }
 
-    fn collect_ended(
-        &self,
-        running: &mut Vec<Running>,
-        ended: &mut Vec<Ended>,
-        tell: &mut dyn FnMut(&Ended),
-    ) -> Result<()> {
-        let mut at = 0;
+    /// Takes the cases whose process has ended from those that run.
+    fn collect_ended(&self, running: &mut Vec<Running>) -> Result<Vec<Ended>> {
+        let (mut ended, mut at) = (Vec::new(), 0);
         while at < running.len() {
             match running[at].process.try_wait() {
                 Ok(None) => at += 1,
                 Ok(Some(status)) => {
                     let case = running.remove(at).case;
-                    close(ended, Ended { case, status: self.status(case, status)? }, tell);
+                    ended.push(Ended { case, status: self.status(case, status)? });
                 }
                 Err(e) => {
                     return Err(Failure::new(1, format!("cannot wait for case {}: {e}", running[at].case)));
                 }
             }
         }
-        Ok(())
+        Ok(ended)
     }
 
     /// The exit status of a case: that of its checks if it is finished, else that of its process; 1 if a signal ended it unasked.

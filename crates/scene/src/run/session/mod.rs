@@ -48,6 +48,14 @@ pub struct Session<const D: usize> {
     watchdog: Arc<Watchdog>,
 }
 
+/// What a session writes, and where.
+pub(super) struct Output<'a> {
+    pub(super) job: &'a Job,
+    pub(super) folder: &'a Folder,
+    /// The log, locked by this process.
+    pub(super) log: Log,
+}
+
 /// How far [`Session::advance`] came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Advance {
@@ -61,13 +69,14 @@ pub enum Advance {
 
 impl<const D: usize> Session<D> {
     /// A new run in a prepared folder.
-    pub(super) fn start(simulation: Simulation<D>, job: &Job, folder: &Folder) -> Result<Self, FileError> {
+    pub(super) fn start(simulation: Simulation<D>, output: Output<'_>) -> Result<Self, FileError> {
+        let Output { job, folder, .. } = output;
         atomic_file::write_atomically(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
         let tally = RunStatistics::at_start(&simulation.model, &simulation.diagnostics());
         let names = || job.solids.iter().map(|s| s.0.as_str());
         let measures = SolidMeasures::new(&simulation, job.solids.len()).columns::<D>(names());
         let series = TimeSeriesWriter::create(&folder.series(), names(), &measures)?;
-        Self::open(simulation, tally, series, job, folder, None)
+        Self::open(simulation, tally, series, output, None)
     }
 
     /// A run that continues from a checkpoint.
@@ -75,22 +84,22 @@ impl<const D: usize> Session<D> {
         simulation: Simulation<D>,
         tally: RunStatistics,
         series: TimeSeriesWriter,
-        job: &Job,
-        folder: &Folder,
+        output: Output<'_>,
     ) -> Result<Self, FileError> {
+        let Output { job, folder, .. } = output;
         atomic_file::write_atomically(&folder.scene(), |w| w.write_all(scene_text(job).as_bytes()))?;
         let time = simulation.state.time;
-        Self::open(simulation, tally, series, job, folder, Some(time))
+        Self::open(simulation, tally, series, output, Some(time))
     }
 
     fn open(
         simulation: Simulation<D>,
         statistics: RunStatistics,
         series: TimeSeriesWriter,
-        job: &Job,
-        folder: &Folder,
+        output: Output<'_>,
         resumed_at: Option<f64>,
     ) -> Result<Self, FileError> {
+        let Output { job, folder, log } = output;
         let extractor = FrameExtractor::new(&simulation.model, &job.solids);
         Ok(Self {
             job: job.clone(),
@@ -103,7 +112,7 @@ impl<const D: usize> Session<D> {
             checkpoint_time: Instant::now(),
             clock: Instant::now(),
             seconds_before: statistics.wall_seconds,
-            log: Log::open(&folder.log())?,
+            log,
             measures: SolidMeasures::new(&simulation, job.solids.len()),
             simulation,
             statistics,
