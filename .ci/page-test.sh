@@ -1,7 +1,8 @@
 #!/bin/sh
-# Opens the page of a run in headless Chromium, from file://, and looks at what came of it.
+# Opens the page of a run in headless Chromium, from file:// or from `meniscus view`, and looks at what came of it.
 #   .ci/page-test.sh MENISCUS DIR    writes the page of the output folder DIR with the binary MENISCUS, then opens it
 #   .ci/page-test.sh PAGE.html|DIR   opens a page that is there already
+#   .ci/page-test.sh http://…        opens the page of a server
 # SHOTS=folder keeps the screenshots. Without Chromium, and no right to install it, the test is skipped.
 set -eu
 
@@ -10,9 +11,14 @@ if [ $# -eq 2 ]; then
     set -- "$2"
 fi
 page=$1
-[ -d "$page" ] && page=$page/page/index.html
-[ -f "$page" ] || { echo "page-test: there is no $page" >&2; exit 4; }
-page=$(cd "$(dirname "$page")" && pwd)/$(basename "$page")
+case $page in
+http://*) ;;
+*)
+    [ -d "$page" ] && page=$page/page/index.html
+    [ -f "$page" ] || { echo "page-test: there is no $page" >&2; exit 4; }
+    page=file://$(cd "$(dirname "$page")" && pwd)/$(basename "$page")
+    ;;
+esac
 
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
 if [ -z "$browser" ] && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
@@ -35,7 +41,7 @@ open() {
         timeout 120 "$browser" --headless=new --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader \
             --hide-scrollbars --virtual-time-budget=15000 --disable-background-networking \
             --disable-component-update --disable-sync --no-first-run --disable-quic \
-            --user-data-dir="$work/profile" --window-size="$3" "$what" "file://$page$2" \
+            --user-data-dir="$work/profile" --window-size="$3" "$what" "$page$2" \
             >"$work/out" 2>"$work/log" || { cat "$work/log" >&2; echo "page-test: the browser failed" >&2; exit 1; }
         [ "$what" = --dump-dom ] && mv "$work/out" "$work/$1.html"
     done

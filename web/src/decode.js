@@ -1,4 +1,4 @@
-// Undoes the packing of crates/view/src/page/blob.rs.
+// Undoes the packing of crates/view/src/page/packed_mesh.rs.
 
 async function unzip(text) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
@@ -40,11 +40,18 @@ export async function decode(text) {
     indices[i] = last;
   }
   const take = (bit) => (flags & bit ? bytes.subarray(at, at += n) : null);
-  const kinds = take(256), shades = [512, 1024, 2048].map(take);
+  const kinds = take(256), shades = [512, 1024, 2048, 4096].map(take);
   return { positions: positions(bytes, n, box), indices, corners, kinds, shades, box };
 }
 
-/** Frames on demand, the most recent ones kept. */
+/** A text of the server. */
+async function ask(address) {
+  const answer = await fetch(address);
+  if (!answer.ok) throw new Error(`${address}: ${answer.status} ${await answer.text()}`);
+  return answer.text();
+}
+
+/** Frames on demand, the most recent ones kept. A mesh is a place in the data's list, or an address of the server. */
 export class Frames {
   constructor(data, keep = 48) {
     this.data = data;
@@ -56,7 +63,7 @@ export class Frames {
     if (place === null || place === undefined) return Promise.resolve(null);
     let mesh = this.meshes.get(place);
     if (mesh) this.meshes.delete(place);
-    else mesh = decode(this.data.meshes[place]);
+    else mesh = typeof place === "string" ? ask(place).then(decode) : decode(this.data.meshes[place]);
     this.meshes.set(place, mesh);
     if (this.meshes.size > this.keep) this.meshes.delete(this.meshes.keys().next().value);
     return mesh;

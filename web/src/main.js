@@ -1,6 +1,7 @@
 import "./style.css";
 import { Frames, extent } from "./decode.js";
-import { quantity } from "./format.js";
+import { measured, quantity } from "./format.js";
+import { follow, pointOfLine } from "./live.js";
 import { Plots } from "./plots.js";
 import { gradient, shadesOf } from "./shade.js";
 import { fillTexts } from "./texts.js";
@@ -29,9 +30,23 @@ function makeView(data, box) {
 
 class Player {
   constructor(data, frames, view) {
-    Object.assign(this, { data, frames, view, index: 0, wanted: 0, playing: false });
-    this.last = data.frames.length - 1;
+    Object.assign(this, { wanted: 0, playing: false, last: -1 });
+    this.renew(data, frames, view);
+  }
+
+  /** Plays other data, or later ones of the same run; who looks at the last frame sees the new last one. */
+  renew(data, frames, view) {
+    const follows = this.wanted === this.last && this.last > 0;
+    Object.assign(this, { data, frames, view, last: data.frames.length - 1 });
     at("slider").max = this.last;
+    if (follows || this.wanted > this.last) this.wanted = this.last;
+  }
+
+  /** The liquid of the other run at the time of a frame; null without another run. */
+  async otherLiquid(i) {
+    const all = this.other?.data.frames, far = (f) => Math.abs(f.time - this.data.frames[i].time);
+    if (!all?.length) return null;
+    return this.other.mesh(all.reduce((best, f) => (far(f) < far(best) ? f : best)).liquid);
   }
 
   /** Shows a frame; while one is on its way only the latest wish counts. */
@@ -49,6 +64,7 @@ class Player {
       while (shown !== this.wanted) {
         shown = this.wanted;
         this.view.set(await this.frames.frame(shown));
+        this.view.over(await this.otherLiquid(shown));
       }
     } finally {
       this.busy = false;
@@ -86,37 +102,59 @@ class Player {
 }
 
 /** Lets solids be coloured by what is stored of them. */
-function offerShades(data, player, view) {
-  const shades = view.colorable ? shadesOf(data) : [];
-  if (!shades.length) return;
-  at("shade-choice").hidden = false;
-  for (const { name, label } of shades) at("shade").append(new Option(label, name));
-  at("shade").onchange = (e) => {
-    view.shade = shades.find((s) => s.name === e.target.value) ?? null;
+function offerShades(page, first) {
+  const { data, view } = page, choice = at("shade");
+  const shades = view.colorable ? shadesOf(data) : [], before = view.shade?.name;
+  at("shade-choice").hidden = !shades.length;
+  choice.replaceChildren(new Option("plain", ""), ...shades.map(({ name, label }) => new Option(label, name)));
+  const wanted = first ?? before;
+  choice.onchange = () => {
+    view.shade = shades.find((s) => s.name === choice.value) ?? null;
     const { name, range, unit } = view.shade ?? {};
     at("legend").hidden = !view.shade;
     if (view.shade) {
-      const text = (x) => (unit && x ? quantity(x, unit) : String(Number(x.toPrecision(3))));
-      at("legend-low").textContent = text(range.low);
-      at("legend-high").textContent = text(range.high);
+      at("legend-low").textContent = measured(range.low, unit);
+      at("legend-high").textContent = measured(range.high, unit);
       at("legend-name").textContent = view.shade.label;
       at("legend-bar").style.background = gradient(name);
     }
-    player.go(player.wanted);
+    page.player.go(page.player.wanted);
   };
+  choice.value = shades.some((s) => s.name === wanted) ? wanted : "";
+  choice.onchange();
 }
 
-function listen(player, view) {
+/** Tells of the point of the contact line that is clicked; only a server knows it. */
+function tellOfPoints(page) {
+  let start = null;
+  const box = at("stage"), told = at("point");
+  box.addEventListener("pointerdown", (e) => { start = [e.clientX, e.clientY]; told.hidden = true; }, true);
+  box.addEventListener("click", async (e) => {
+    if (!start || Math.hypot(e.clientX - start[0], e.clientY - start[1]) > 4) return;
+    const { left, top } = box.getBoundingClientRect(), [x, y] = [e.clientX - left, e.clientY - top];
+    const point = page.view.pick(x, y);
+    if (point === null) return;
+    const { solid, angle, speed, force } = await pointOfLine(page.data.frames[page.player.wanted].number, point);
+    const rows = [["angle", angle, "°"], ["speed", speed, "m/s"], ["force", force, "N/m"]];
+    told.textContent = [`contact line${solid ? ` on ${solid}` : ""}`, ...rows.map(([name, v, unit]) => `${name} ${measured(v, unit)}`)].join("\n");
+    told.style.left = `${Math.min(x + 12, box.clientWidth - 150)}px`;
+    told.style.top = `${Math.min(y + 12, box.clientHeight - 90)}px`;
+    told.hidden = false;
+  });
+}
+
+function listen(page) {
+  const { player } = page;
   at("slider").addEventListener("input", (e) => { player.play(false); player.go(Number(e.target.value)); });
   at("play").onclick = () => player.play();
-  at("home").onclick = () => view.home();
-  const toggle = (id, key) => at(id).addEventListener("change", (e) => { view.show[key] = e.target.checked; view.draw(); });
+  at("home").onclick = () => page.view.home();
+  const toggle = (id, key) => at(id).addEventListener("change", (e) => { page.view.show[key] = e.target.checked; page.view.draw(); });
   toggle("show-line", "line");
   toggle("show-solids", "solids");
   const keys = {
     " ": () => player.play(), ArrowLeft: () => player.go(player.wanted - 1),
     ArrowRight: () => player.go(player.wanted + 1), Home: () => player.go(0), End: () => player.go(player.last),
-    0: () => view.home(),
+    0: () => page.view.home(),
   };
   addEventListener("keydown", (e) => {
     if (!keys[e.key] || e.ctrlKey || e.metaKey || e.altKey || e.target.matches("select, summary")) return;
@@ -127,6 +165,41 @@ function listen(player, view) {
   });
 }
 
+/** The view, the player, the plots and the texts of a run, whose data may be replaced by later ones. */
+class Page {
+  async show(data, other = null) {
+    const before = this.data;
+    const isSame = before && before.dimension === data.dimension && String(before.domain) === String(data.domain);
+    this.data = data;
+    fillTexts(data);
+    const frames = isSame ? this.player.frames : new Frames(data);
+    frames.data = data;
+    if (!isSame) {
+      this.view?.remove();
+      this.view = makeView(data, await extent(frames));
+    }
+    this.view.data = data;
+    this.other = other && new Frames(other);
+    if (this.player) this.player.renew(data, frames, this.view);
+    else this.player = new Player(data, frames, this.view);
+    this.player.other = this.other;
+    at("line-toggle").hidden = !data.frames.some((f) => f.line !== null);
+    at("solid-toggle").hidden = !data.frames.some((f) => Object.keys(f.solids).length);
+    if (!this.plots?.renew(data)) {
+      this.plots?.shown.clear();
+      this.plots = this.player.plots = new Plots(data, (time) => { this.player.play(false); this.player.at(time); });
+    }
+    if (!before) listen(this);
+    // Before a run the angles are what is to be seen of solids.
+    offerShades(this, before || data.frames.length > 1 ? null : "young");
+    await this.player.go(this.player.wanted);
+    if (other) at("notes").textContent = `${data.notes.join(" ")} Dashed or orange: the liquid of ${other.folder}, at its nearest frame.`;
+    if (other) at("notes").hidden = false;
+    document.body.dataset.errors ??= "[]";
+    document.body.dataset.ready = `frames:${data.frames.length}`;
+  }
+}
+
 async function start() {
   const element = at("data"), data = JSON.parse(element.textContent);
   element.remove();
@@ -135,19 +208,15 @@ async function start() {
     at("message").textContent = "There is no run in this page: write one with `meniscus page`.";
     return;
   }
-  fillTexts(data);
-  const frames = new Frames(data);
-  const view = makeView(data, await extent(frames));
-  const player = new Player(data, frames, view);
-  at("line-toggle").hidden = !data.frames.some((f) => f.line !== null);
-  at("solid-toggle").hidden = !data.frames.some((f) => Object.keys(f.solids).length);
-  player.plots = new Plots(data, (time) => { player.play(false); player.at(time); });
-  listen(player, view);
-  offerShades(data, player, view);
+  const page = new Page();
+  if (data.live) {
+    tellOfPoints(page);
+    await follow((run, other) => page.show(run, other));
+    return;
+  }
+  await page.show(data);
   const asked = /frame=(\d+)/.exec(location.hash);
-  await player.go(asked ? Number(asked[1]) : 0);
-  document.body.dataset.errors ??= "[]";
-  document.body.dataset.ready = `frames:${data.frames.length}`;
+  await page.player.go(asked ? Number(asked[1]) : 0);
 }
 
 start();

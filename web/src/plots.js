@@ -2,6 +2,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { groupsOf, told, unitOf } from "./columns.js";
 import { css, measured, short } from "./format.js";
+import { young } from "./shade.js";
 import { marks, rangeOf, robust } from "./spikes.js";
 
 const ENERGIES = ["kinetic_energy", "surface_energy", "elastic_energy", "potential_energy"];
@@ -58,27 +59,20 @@ function nearest(times, t) {
   return t - times[low] < times[high] - t ? low : high;
 }
 
-/** Young's angles of a run: that of a solid, or those of all. */
-function young(summary, solid) {
-  const all = (summary?.parameters ?? []).filter((p) => p.symbol === "θ_Y" && (!solid || p.of === solid));
-  return [...new Set(all.map((p) => Number(p.value.toFixed(3))))];
-}
-
 export class Plots {
   /** `pick` is called with a time when a plot is clicked. */
   constructor(data, pick) {
-    const { series, summary, dimension } = data;
+    const { summary, dimension } = data;
     Object.assign(this, { summary, dimension, pick, now: null, shown: new Map() });
-    this.columns = columnsOf(series);
-    this.times = this.columns.get("time") ?? [];
     this.box = document.getElementById("plots");
+    this.box.replaceChildren();
+    document.getElementById("chips").replaceChildren();
+    this.read(data);
     if (this.times.length < 2) {
-      this.box.innerHTML = "<p class='quiet'>There is no time series in this folder.</p>";
+      this.box.innerHTML = "<p class='quiet'>There is no time series yet.</p>";
       return;
     }
-    const solids = (summary?.solids ?? []).map((s) => s.name).filter(Boolean);
-    const own = solids.flatMap((solid) => groupsOf(solid, this.columns, dimension));
-    own.forEach((g) => this.prepare(g));
+    const own = this.own;
     const all = [...own, ...GROUPS.map((g) => this.named(g))];
     const known = new Set([...all.flatMap((g) => g.columns), "contact_angle_std", "time", "step"]);
     this.groups = all.map((g) => this.kept(g)).filter((g) => g.columns.length > 0);
@@ -89,6 +83,28 @@ export class Plots {
     if (others.length) this.menu(others);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.rebuild());
     new ResizeObserver(() => this.resize()).observe(this.box);
+  }
+
+  /** Reads the time series. */
+  read({ series, summary, dimension }) {
+    this.columns = columnsOf(series);
+    this.times = this.columns.get("time") ?? [];
+    const solids = (summary?.solids ?? []).map((s) => s.name).filter(Boolean);
+    this.own = solids.flatMap((solid) => groupsOf(solid, this.columns, dimension));
+    this.own.forEach((g) => this.prepare(g));
+  }
+
+  /** Shows later rows of the same run. False where it has other columns than before. */
+  renew(data) {
+    const before = [...this.columns].filter(([, column]) => useful(column)).map(([name]) => name).join();
+    this.read(data);
+    if (before !== [...this.columns].filter(([, column]) => useful(column)).map(([name]) => name).join()) return false;
+    for (const state of this.shown.values()) {
+      const columns = state.group.columns.map((name) => this.columns.get(name));
+      state.usual = robust(columns, state.lines.map((l) => l.value));
+      state.plot.setData([this.times, ...columns]);
+    }
+    return true;
   }
 
   /** Brings a solid's columns to what is shown: per cent, and the way from the start. */

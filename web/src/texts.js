@@ -104,6 +104,7 @@ export function fillTexts(data) {
   at("notes").textContent = data.notes.join(" ");
   const parameters = summary?.parameters ?? [];
   at("facts").hidden = !parameters.length;
+  for (const id of ["facts-table", "parameters"]) at(id).replaceChildren();
   facts(parameters, at("facts-table"));
   if (summary) groups(summary, dimension).forEach(([title, rows]) => fill(at("parameters"), title, rows));
   at("scene-box").hidden = !data.scene;

@@ -1,5 +1,5 @@
 import { css, quantity, round } from "./format.js";
-import { palette } from "./shade.js";
+import { palette, placesOf } from "./shade.js";
 
 /** Chains edges into one path of closed or open lines. */
 function path(mesh) {
@@ -78,6 +78,11 @@ export class View2D {
     this.listen();
   }
 
+  /** Takes the picture off the page. */
+  remove() {
+    this.canvas.remove();
+  }
+
   /** Shows the domain, or what is to be seen where that makes it much larger. */
   home() {
     const { low, high } = this.extent, domain = this.data.domain;
@@ -119,11 +124,29 @@ export class View2D {
     c.addEventListener("dblclick", () => this.home());
   }
 
+  /** Draws the liquid of another run over this one; null for none. */
+  over(mesh) {
+    this.other = mesh && path(mesh);
+    this.draw();
+  }
+
+  /** The number of the point of the contact line at a place of the window; null if there is none near. */
+  pick(x, y) {
+    if (!this.toWindow || !this.show.line) return null;
+    let best = null, least = 14 ** 2;
+    for (let i = 0; i < this.points.length; i += 3) {
+      const [px, py] = this.toWindow(this.points[i], this.points[i + 1]);
+      const far = (px - x) ** 2 + (py - y) ** 2;
+      if (far < least) [best, least] = [i / 3, far];
+    }
+    return best;
+  }
+
   set(frame) {
     this.liquid = path(seat(frame.liquid, frame.solids.map((s) => s.mesh), this.data.dx));
     this.bare = path(frame.liquid);
     this.solids = frame.solids.map((s) => path(s.mesh));
-    this.meshes = frame.solids.map((s) => s.mesh);
+    this.named = frame.solids;
     this.points = frame.line?.positions ?? [];
     this.draw();
   }
@@ -142,6 +165,8 @@ export class View2D {
     g.translate(width / 2 + this.move[0], height / 2 + this.move[1]);
     g.scale(scale, -scale);
     g.translate(-(x0 + x1) / 2, -(y0 + y1) / 2);
+    this.toWindow = (x, y) => [
+      width / 2 + this.move[0] + scale * (x - (x0 + x1) / 2), height / 2 + this.move[1] - scale * (y - (y0 + y1) / 2)];
     this.shapes(g, scale);
     g.restore();
     this.bar(g, scale, width, height);
@@ -169,6 +194,11 @@ export class View2D {
       stroke(solid, css("--solid-edge"), 1.2);
     }
     if (this.show.solids && this.shade) this.shaded(g, scale);
+    if (this.other) {
+      g.setLineDash([7 / scale, 5 / scale]);
+      stroke(this.other, css("--b"), 1.8);
+      g.setLineDash([]);
+    }
     for (let i = 0; this.show.line && i < this.points.length; i += 3) {
       const dot = new Path2D();
       dot.arc(this.points[i], this.points[i + 1], 4.5 / scale, 0, 2 * Math.PI);
@@ -183,8 +213,8 @@ export class View2D {
     const colors = palette(this.shade.name);
     g.lineWidth = 4 / scale;
     g.lineCap = "round";
-    for (const { positions: p, indices: e, shades } of this.meshes) {
-      const places = shades[this.shade.k];
+    for (const solid of this.named) {
+      const { positions: p, indices: e } = solid.mesh, places = placesOf(solid, this.shade, this.data.summary);
       for (let i = 0; places && i < e.length; i += 2) {
         g.strokeStyle = `rgb(${colors[(places[e[i]] + places[e[i + 1]]) >> 1]})`;
         g.beginPath();

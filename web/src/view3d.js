@@ -10,7 +10,7 @@ import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { toCreasedNormals } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { css, round } from "./format.js";
-import { palette } from "./shade.js";
+import { palette, placesOf } from "./shade.js";
 
 const SOLIDS = ["#b08d72", "#8a9aa8", "#92a57f", "#bda06a", "#a58aa5"];
 
@@ -81,6 +81,7 @@ export class View3D {
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.box = box;
+    this.data = data;
     this.show = { line: true, solids: true };
     this.colorable = true;
     this.shade = null;
@@ -179,6 +180,30 @@ export class View3D {
     Object.assign(this.line.material, { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4000 });
     this.line.frustumCulled = false;
     this.world.add(this.line);
+    const other = new MeshBasicMaterial({ color: css("--b"), transparent: true, opacity: 0.35, depthWrite: false });
+    this.other = new Mesh(new BufferGeometry(), other);
+    this.world.add(this.other);
+  }
+
+  /** Draws the liquid of another run over this one; null for none. */
+  over(mesh) {
+    this.other.geometry.dispose();
+    this.other.geometry = mesh?.corners === 3 ? this.geometry(mesh, false) : new BufferGeometry();
+    this.ask();
+  }
+
+  /** The number of the point of the contact line at a place of the window; null if there is none near. */
+  pick(x, y) {
+    if (!this.points || !this.show.line) return null;
+    const { clientWidth: width, clientHeight: height } = this.box, p = new Vector3();
+    this.world.updateMatrixWorld();
+    let best = null, least = 14 ** 2;
+    for (let i = 0; i < this.points.length; i += 3) {
+      p.fromArray(this.points, i).applyMatrix4(this.world.matrixWorld).project(this.camera);
+      const far = ((p.x + 1) * width / 2 - x) ** 2 + ((1 - p.y) * height / 2 - y) ** 2;
+      if (p.z < 1 && far < least) [best, least] = [i / 3, far];
+    }
+    return best;
   }
 
   /** A mesh's geometry; `crease` keeps edges sharp, `colors` are those of its vertices. */
@@ -195,9 +220,15 @@ export class View3D {
   set(frame) {
     this.liquid.geometry.dispose();
     this.liquid.geometry = frame.liquid.corners === 3 ? this.geometry(frame.liquid, false) : new BufferGeometry();
+    const names = new Set(frame.solids.map((s) => s.name));
+    for (const [name, gone] of [...this.solids].filter(([name]) => !names.has(name))) {
+      this.world.remove(gone);
+      this.solids.delete(name);
+    }
     for (const { name, mesh } of frame.solids) this.solid(name, mesh);
     const line = frame.line;
     this.hasLine = Boolean(line?.indices.length);
+    this.points = line?.positions;
     if (this.hasLine) {
       const points = new Float32Array(3 * line.indices.length);
       line.indices.forEach((v, k) => points.set(line.positions.subarray(3 * v, 3 * v + 3), 3 * k));
@@ -219,7 +250,7 @@ export class View3D {
     }
     if ((solid.userData.mesh === mesh && solid.userData.shade === this.shade) || mesh.corners !== 3) return;
     Object.assign(solid.userData, { mesh, shade: this.shade });
-    const colors = this.vertexColors(mesh);
+    const colors = this.vertexColors(name, mesh);
     solid.material.vertexColors = Boolean(colors);
     solid.material.color.set(colors ? "#ffffff" : solid.userData.color);
     solid.material.needsUpdate = true;
@@ -228,13 +259,19 @@ export class View3D {
   }
 
   /** The colours of a solid's vertices, linear; null where it has its own colour. */
-  vertexColors(mesh) {
-    const places = this.shade && mesh.shades[this.shade.k];
+  vertexColors(name, mesh) {
+    const places = placesOf({ name, mesh }, this.shade, this.data.summary);
     if (!places) return null;
     const all = palette(this.shade.name).map((rgb) => new Color().setRGB(...rgb.map((x) => x / 255), "srgb"));
     const out = new Float32Array(3 * places.length);
     places.forEach((place, v) => all[place].toArray(out, 3 * v));
     return out;
+  }
+
+  /** Takes the picture off the page. */
+  remove() {
+    this.renderer.domElement.remove();
+    this.renderer.dispose();
   }
 
   home() {

@@ -21,6 +21,17 @@ export class ViewPlain {
     });
   }
 
+  over() {}
+
+  pick() {
+    return null;
+  }
+
+  /** Takes the picture off the page. */
+  remove() {
+    this.canvas.remove();
+  }
+
   home() {
     this.turn = 0.45;
     this.tilt = 0.35;

@@ -16,13 +16,13 @@ use std::ffi::OsString;
 
 pub use crate::args::{Quality, SceneArgs};
 pub use crate::commands::export::stored_frame;
-pub use crate::commands::run::{conclude, duration, prepare, show};
+pub use crate::commands::run::{conclude, duration, show};
 pub use crate::commands::sweep::{Cell, Ended, Parameter, Row, Runner, Sweep, Table, Vary};
 pub use crate::commands::version;
 pub use crate::commands::view::{DEFAULT_PAGE_MB, make_page};
 pub use crate::commands::with_threads;
 pub use crate::failure::{Failure, Place};
-pub use crate::scenes::{Loaded, check_runnable, load};
+pub use crate::scenes::{Loaded, check_runnable, load, prepare};
 pub use crate::values::wall_time;
 
 /// The command with arguments, of which the first is the name of the program. Returns the exit status. `program` are the words that start
@@ -72,6 +72,7 @@ fn dispatch(command: Command) -> Result {
         Command::Soak(args) => commands::soak::soak(&args),
         Command::Bench(args) => commands::bench::bench(&args),
         Command::Page(args) => commands::view::page(&args),
+        Command::View(args) => commands::view::view(&args),
         Command::Render(args) => commands::view::render(&args),
         Command::Schema(args) => commands::info::schema(args.markdown),
         Command::Info(args) => commands::info::info(args.json),

@@ -1,10 +1,12 @@
-//! Finding and loading scenes: files, built-in names, output folders.
+//! Finding and loading scenes: files, built-in names, output folders; preparing them for a run.
 
 use crate::args::{self, SceneArgs};
 use crate::failure::Result;
+use meniscus_scene::build::{AnySetup, displaced_liquid};
 use meniscus_scene::builtin;
 use meniscus_scene::estimate::memory;
 use meniscus_scene::file::{LoadOptions, Quality, Scene, ensure_runnable};
+use meniscus_scene::run::Job;
 use std::path::{Path, PathBuf};
 
 /// A loaded scene and its origin.
@@ -38,4 +40,18 @@ pub fn check_runnable(scene: &Scene) -> Result<()> {
     ensure_runnable(scene)?;
     memory::check_liquid_memory(scene, memory::machine_memory())?;
     Ok(())
+}
+
+/// The setup and the job of a scene that can run.
+///
+/// # Errors
+/// The error of the scene, also if its solids need more memory than this machine has.
+pub fn prepare(scene: &Scene) -> Result<(AnySetup, Job)> {
+    let mut job = Job::of(scene, scene.to_toml()?);
+    let setup = AnySetup::of(scene)?;
+    let cut = displaced_liquid::check_displaced(scene, &displaced_liquid::displaced_bodies(scene, &setup))?;
+    job.warnings = cut.into_iter().map(|w| format!("{}: {}", w.path, w.message)).collect();
+    memory::check_solid_memory(scene, &setup, memory::machine_memory())?;
+    scene.files.forget();
+    Ok((setup, job))
 }

@@ -25,6 +25,8 @@ pub enum ColorBy {
     Strain,
     /// Displacement of deformable solids from rest, m.
     Displacement,
+    /// Young's contact angle of solids with a pattern, degrees: blue where the liquid wets, red where it does not.
+    Young,
 }
 
 /// Range of values.
@@ -36,26 +38,31 @@ pub(crate) struct ScalarRange {
 
 impl ColorBy {
     /// The quantities stored at vertices.
-    pub(crate) const STORED: [Self; 3] = [Self::PhiC, Self::Strain, Self::Displacement];
+    pub(crate) const STORED: [Self; 4] = [Self::PhiC, Self::Strain, Self::Displacement, Self::Young];
 
-    /// Its name: `plain`, `phi_c`, `strain`, `displacement`.
+    /// Its name: `plain`, `phi_c`, `strain`, `displacement`, `young`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "plain",
             Self::PhiC => "phi_c",
             Self::Strain => "strain",
             Self::Displacement => "displacement",
+            Self::Young => "young",
         }
     }
 
     /// The quantity of a name.
     pub fn named(name: &str) -> Option<Self> {
-        [Self::Plain, Self::PhiC, Self::Strain, Self::Displacement].into_iter().find(|s| s.name() == name)
+        std::iter::once(Self::Plain).chain(Self::STORED).find(|s| s.name() == name)
     }
 
     /// Unit of the values.
     pub(crate) fn unit(self) -> Option<char> {
-        (self != Self::Strain).then_some('m')
+        match self {
+            Self::Plain | Self::Strain => None,
+            Self::PhiC | Self::Displacement => Some('m'),
+            Self::Young => Some('°'),
+        }
     }
 
     /// The stored values at a mesh's vertices; not finite where there is no contact line.
@@ -63,7 +70,7 @@ impl ColorBy {
         let column = |name: &str| mesh.scalars.get(name).filter(|v| v.len() == mesh.positions.len());
         match self {
             Self::Plain => None,
-            Self::PhiC | Self::Strain => column(self.name()).cloned(),
+            Self::PhiC | Self::Strain | Self::Young => column(self.name()).cloned(),
             Self::Displacement => {
                 let [x, y, z] = ["ux", "uy", "uz"].map(column);
                 Some((x?.iter().zip(y?).zip(z?)).map(|((x, y), z)| V3::new(*x, *y, *z).norm()).collect())
@@ -73,7 +80,8 @@ impl ColorBy {
 
     /// The colour at a normalised value, 0 to 1; linear light.
     pub(crate) fn color(self, place: f64) -> V3 {
-        let stops = if self == Self::PhiC { DIVERGING_COLORMAP } else { SEQUENTIAL_COLORMAP };
+        let diverges = matches!(self, Self::PhiC | Self::Young);
+        let stops = if diverges { DIVERGING_COLORMAP } else { SEQUENTIAL_COLORMAP };
         let at = place.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
         let k = (at as usize).min(stops.len() - 2);
         linear_from_srgb(stops[k]).lerp(&linear_from_srgb(stops[k + 1]), at - k as f64)
@@ -89,27 +97,60 @@ pub(crate) fn linear_from_srgb(hex: u32) -> V3 {
     V3::new(part(16), part(8), part(0))
 }
 
-/// The ranges of the values over a run; `None` where nothing is stored.
+/// Largest absolute value of each of [`ColorBy::STORED`]; `None` where nothing is stored.
+type Largest = [Option<f64>; 4];
+
+/// The largest values of the frames of a run, as far as they were read.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LargestValues {
+    largest: Largest,
+    /// Number of the last frame.
+    last: Option<u32>,
+}
+
+impl LargestValues {
+    /// Reads a sample of those frames that came since the last call.
+    ///
+    /// # Errors
+    /// A frame that cannot be read.
+    pub fn update(&mut self, folder: &RunFolder) -> Result<()> {
+        let new: Vec<u32> =
+            folder.frame_numbers.iter().copied().filter(|n| self.last.is_none_or(|last| *n > last)).collect();
+        for number in RunFolder::evenly_spaced(&new, SAMPLED_FRAMES) {
+            let frame = folder.frame(number)?;
+            for (largest, shade) in self.largest.iter_mut().zip(ColorBy::STORED) {
+                let values = frame.solids.values().filter_map(|mesh| shade.values(mesh)).flatten();
+                *largest = values.filter(|v| v.is_finite()).map(f64::abs).chain(*largest).reduce(f64::max);
+            }
+        }
+        self.last = new.last().copied().or(self.last);
+        Ok(())
+    }
+
+    /// The ranges of [`ColorBy::STORED`].
+    pub fn ranges(&self) -> ScalarRanges {
+        std::array::from_fn(|k| {
+            let high = self.largest[k].filter(|m| *m > 0.0)?;
+            Some(match ColorBy::STORED[k] {
+                ColorBy::PhiC => ScalarRange { low: -high, high },
+                ColorBy::Young => ScalarRange { low: 0.0, high: 180.0 },
+                _ => ScalarRange { low: 0.0, high },
+            })
+        })
+    }
+}
+
+/// The ranges of [`ColorBy::STORED`]; `None` where nothing is stored.
+pub(crate) type ScalarRanges = [Option<ScalarRange>; 4];
+
+/// The ranges of the values over a run.
 ///
 /// # Errors
 /// A frame that cannot be read.
-pub(crate) fn scalar_ranges<const N: usize>(
-    folder: &RunFolder,
-    shades: [ColorBy; N],
-) -> Result<[Option<ScalarRange>; N]> {
-    let mut most: [Option<f64>; N] = [None; N];
-    for number in RunFolder::evenly_spaced(&folder.frame_numbers, SAMPLED_FRAMES) {
-        let frame = folder.frame(number)?;
-        for (most, shade) in most.iter_mut().zip(shades) {
-            let values = frame.solids.values().filter_map(|mesh| shade.values(mesh)).flatten();
-            *most = values.filter(|v| v.is_finite()).map(f64::abs).chain(*most).reduce(f64::max);
-        }
-    }
-    let range = |k: usize| {
-        let high = most[k].filter(|m| *m > 0.0)?;
-        Some(ScalarRange { low: if shades[k] == ColorBy::PhiC { -high } else { 0.0 }, high })
-    };
-    Ok(std::array::from_fn(range))
+pub(crate) fn scalar_ranges(folder: &RunFolder) -> Result<ScalarRanges> {
+    let mut largest = LargestValues::default();
+    largest.update(folder)?;
+    Ok(largest.ranges())
 }
 
 impl ScalarRange {

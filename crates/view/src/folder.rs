@@ -151,12 +151,12 @@ impl RunFolder {
         Ok(())
     }
 
-    fn mesh_path(&self, what: &str, number: u32) -> PathBuf {
+    pub(crate) fn mesh_path(&self, what: &str, number: u32) -> PathBuf {
         self.dir.join("frames").join(format!("{what}_{number:04}.ply"))
     }
 
     /// Reads a mesh. Its edges are in one order, whether the file has them as an element or as a property of the vertices.
-    fn mesh(&self, what: &str, number: u32) -> Result<PlyMesh> {
+    pub(crate) fn mesh(&self, what: &str, number: u32) -> Result<PlyMesh> {
         let mut mesh = PlyMesh::load(&self.mesh_path(what, number))?;
         mesh.edges.sort_by_key(|[from, _]| *from);
         Ok(mesh)

@@ -19,7 +19,7 @@ pub use crate::measure::{
     TimeWindow, measure,
 };
 pub use crate::page::time_series::TimeSeries;
-pub use crate::page::{PageOptions, PageReport, make_page, write_page};
+pub use crate::page::{LiveRun, PageOptions, PageReport, live_page, make_page, write_page};
 pub use crate::render::{
     Appearance, Camera, Image, ImageSize, RenderOptions, Rendered, Renderer, Style, render,
 };

@@ -5,7 +5,7 @@ mod run;
 mod sweep;
 mod verification;
 
-pub use output::{ExportArgs, MeasureArgs, PageArgs, RenderArgs, UpAxis};
+pub use output::{ExportArgs, MeasureArgs, PageArgs, RenderArgs, UpAxis, ViewArgs};
 pub use run::{CheckArgs, LogFormat, Quality, RunArgs, SceneArgs};
 pub use sweep::SweepArgs;
 pub use verification::{BenchArgs, Set, SoakArgs, Solids, VerifyArgs};
@@ -58,6 +58,8 @@ pub enum Command {
     Bench(BenchArgs),
     /// Write a self-contained HTML page of a run.
     Page(PageArgs),
+    /// Show a scene before its run, or a run while it goes on, in the browser; the scene is read again as its file is saved.
+    View(ViewArgs),
     /// Render pictures of a run, and a film if ffmpeg is installed.
     Render(RenderArgs),
     /// Run a scene with many values of its parameters, or find the value at which a check of it changes.

@@ -1,5 +1,6 @@
 //! Arguments of the commands that read the output of a run.
 
+use super::SceneArgs;
 use crate::values::{export_format, hex_color, picture_range, picture_size, picture_target, scale_factor};
 use clap::{Args, ValueEnum};
 use meniscus_scene::output::frame::Format;
@@ -70,6 +71,20 @@ pub struct PageArgs {
     pub max_mb: f64,
 }
 
+/// `meniscus view`.
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    /// What is shown: the output folder of a run, or a scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Output folder of another run, drawn over the first.
+    #[arg(long, value_name = "DIR")]
+    pub with: Option<PathBuf>,
+    /// Port of 127.0.0.1 for the browser. Default: any free one.
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+}
+
 /// `meniscus render`.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
@@ -114,7 +129,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "RRGGBB", value_parser = hex_color)]
     pub solid_color: Option<u32>,
     /// Quantity shown as the colour of the solids: plain, phi_c (distance to the contact line along the surface, negative where
-    /// wetted), strain (largest |stretch - 1|) or displacement. [default: plain]
+    /// wetted), strain (largest |stretch - 1|), displacement or young (contact angle of patterns). [default: plain]
     #[arg(long, value_name = "VALUES")]
     pub color: Option<String>,
     /// Take every n-th frame.

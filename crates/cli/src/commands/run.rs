@@ -6,15 +6,13 @@ use crate::failure::{Failure, MISSED, Result, STOPPED};
 use crate::progress::{Reporter, format_simulated_time, format_wall_time};
 use crate::scenes::{self, Loaded};
 use crate::stop::StopMonitor;
-use meniscus_scene::build::{AnySetup, displaced_liquid};
-use meniscus_scene::estimate::memory;
 use meniscus_scene::expect;
 use meniscus_scene::file::{Expect, Scene};
 use meniscus_scene::output::Folder;
 use meniscus_scene::output::frame::Format;
 use meniscus_scene::output::summary::{Summary, Verdict};
 use meniscus_scene::output::time_series::TimeSeries;
-use meniscus_scene::run::{ExistingRun, Job, Outcome};
+use meniscus_scene::run::{ExistingRun, Outcome};
 use meniscus_view::RenderOptions;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -43,7 +41,7 @@ fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     };
     let folder = Folder::at(&out);
     let mut reporter = Reporter::new(args.log, args.quiet, resume_command(args, &out));
-    let (setup, mut job) = prepare(scene)?;
+    let (setup, mut job) = scenes::prepare(scene)?;
     job.frames = args.frames;
     let outcome = setup.run(&job, &folder, existing, &|| watch.request(), &mut reporter)?;
     let text = args.log == LogFormat::Text && !args.quiet;
@@ -57,20 +55,6 @@ fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
         Outcome::Stopped(_, summary) => stopped(args, &summary, &out),
         Outcome::Finished(summary) => finish(args, scene, summary, &folder),
     }
-}
-
-/// The setup and the job of a scene that can run.
-///
-/// # Errors
-/// The error of the scene, also if its solids need more memory than this machine has.
-pub fn prepare(scene: &Scene) -> Result<(AnySetup, Job)> {
-    let mut job = Job::of(scene, scene.to_toml()?);
-    let setup = AnySetup::of(scene)?;
-    let cut = displaced_liquid::check_displaced(scene, &displaced_liquid::displaced_bodies(scene, &setup))?;
-    job.warnings = cut.into_iter().map(|w| format!("{}: {}", w.path, w.message)).collect();
-    memory::check_solid_memory(scene, &setup, memory::machine_memory())?;
-    scene.files.forget();
-    Ok((setup, job))
 }
 
 /// Loads the scene. `[expect]` concerns the whole run, so a shortened run is not checked against it.

@@ -82,6 +82,11 @@ impl SceneFiles {
         read::load(path, &|file| self.content(file)).map_err(|e| e.to_string())
     }
 
+    /// The files read so far.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        self.contents().keys().cloned().collect()
+    }
+
     /// Frees the memory of all contents; a file that is needed later is read again.
     pub fn forget(&self) {
         self.contents().clear();

@@ -1,5 +1,6 @@
 //! The result page: a single self-contained HTML file.
 
+mod live;
 mod packed_mesh;
 pub(crate) mod time_series;
 
@@ -9,7 +10,9 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::color_map::{self, ColorBy, ScalarRange};
+pub use live::{LiveRun, live_page};
+
+use crate::color_map::{self, ColorBy, ScalarRange, ScalarRanges};
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
 use time_series::TimeSeries;
@@ -67,14 +70,14 @@ impl PackedFrame {
     }
 }
 
-/// One frame as indices into the list of meshes.
+/// One frame with the places of its meshes: indices into the list of meshes, or addresses.
 #[derive(Serialize)]
-struct PageFrame {
+struct PageFrame<M> {
     number: u32,
     time: Option<f64>,
-    liquid: usize,
-    line: Option<usize>,
-    solids: BTreeMap<String, usize>,
+    liquid: M,
+    line: Option<M>,
+    solids: BTreeMap<String, M>,
 }
 
 /// A quantity that can colour solids.
@@ -88,7 +91,7 @@ struct PageShade {
 
 /// The data of the page.
 #[derive(Serialize)]
-struct Payload<'a> {
+struct Payload<'a, M> {
     format: u32,
     name: String,
     version: &'a str,
@@ -98,7 +101,7 @@ struct Payload<'a> {
     notes: Vec<String>,
     /// Quantities that can colour solids, in the order of [`ColorBy::STORED`].
     shades: Vec<PageShade>,
-    frames: Vec<PageFrame>,
+    frames: Vec<PageFrame<M>>,
     meshes: Vec<&'a str>,
     series: TimeSeries,
     summary: &'a serde_json::Value,
@@ -115,7 +118,7 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     let folder = RunFolder::open(dir)?;
     let asked = options.every.max(1);
     let numbers: Vec<u32> = folder.frame_numbers.iter().copied().step_by(asked).collect();
-    let ranges = color_map::scalar_ranges(&folder, ColorBy::STORED)?;
+    let ranges = color_map::scalar_ranges(&folder)?;
     let packed =
         numbers.par_iter().map(|&n| pack(&folder, n, &ranges)).collect::<Result<Vec<PackedFrame>>>()?;
     let series = TimeSeries::load_for_plots(&dir.join("timeseries.csv"))?;
@@ -134,9 +137,7 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
         domain: folder.domain,
         dx: folder.dx,
         notes: notes(&folder, options, asked, skip, &series),
-        shades: (ranges.iter().zip(ColorBy::STORED))
-            .map(|(range, shade)| PageShade { name: shade.name(), unit: shade.unit(), range: *range })
-            .collect(),
+        shades: page_shades(&ranges),
         frames,
         meshes,
         series,
@@ -152,7 +153,16 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     Ok(PageReport { path, bytes: html.len() as u64, frames: kept.len(), every: asked * skip })
 }
 
-fn pack(folder: &RunFolder, number: u32, ranges: &packed_mesh::ScalarRanges) -> Result<PackedFrame> {
+fn page_shades(ranges: &ScalarRanges) -> Vec<PageShade> {
+    let shade = |(range, shade): (&Option<ScalarRange>, ColorBy)| PageShade {
+        name: shade.name(),
+        unit: shade.unit(),
+        range: *range,
+    };
+    ranges.iter().zip(ColorBy::STORED).map(shade).collect()
+}
+
+fn pack(folder: &RunFolder, number: u32, ranges: &ScalarRanges) -> Result<PackedFrame> {
     let frame = folder.frame(number)?;
     Ok(PackedFrame {
         number,
@@ -175,7 +185,7 @@ fn size(packed: &[PackedFrame], skip: usize) -> usize {
 }
 
 /// Frames as indices into a list of distinct meshes.
-fn deduplicate_meshes<'a>(packed: &[&'a PackedFrame]) -> (Vec<PageFrame>, Vec<&'a str>) {
+fn deduplicate_meshes<'a>(packed: &[&'a PackedFrame]) -> (Vec<PageFrame<usize>>, Vec<&'a str>) {
     let mut meshes: Vec<&str> = Vec::new();
     let mut known: HashMap<&str, usize> = HashMap::new();
     let mut place = |mesh: &'a String| {
@@ -230,16 +240,20 @@ fn ordinal(n: usize) -> String {
 }
 
 /// The bundle with the data inserted.
-fn insert_data(payload: &Payload, path: &Path) -> Result<String> {
+fn insert_data<M: Serialize>(payload: &Payload<'_, M>, path: &Path) -> Result<String> {
     let json = serde_json::to_string(payload).map_err(|e| ViewError::content(path, e.to_string()))?;
-    let (before, after) = BUNDLE
-        .split_once(DATA_PLACEHOLDER)
-        .ok_or_else(|| ViewError::content(path, "the built-in page has no placeholder for the data"))?;
+    bundle_with(&json, &payload.name)
+        .ok_or_else(|| ViewError::content(path, "the built-in page has no placeholder for the data"))
+}
+
+/// The bundle with a text of JSON as its data.
+fn bundle_with(json: &str, name: &str) -> Option<String> {
+    let (before, after) = BUNDLE.split_once(DATA_PLACEHOLDER)?;
     // Title of the browser tab before any script runs.
-    let name: String = payload.name.chars().filter(|c| !"<>&".contains(*c)).collect();
+    let name: String = name.chars().filter(|c| !"<>&".contains(*c)).collect();
     let before = before.replacen(TITLE, &format!("<title>{name} – Meniscus</title>"), 1);
     // A `<` could end the script element with the data; in JSON it occurs only in strings.
-    Ok([&before, &json.replace('<', "\\u003c"), after].concat())
+    Some([&before, &json.replace('<', "\\u003c"), after].concat())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Mesh format of the page: 16-bit positions in the mesh's box, stored as differences, then gzip and base64.
 //!
 //! Layout before gzip, little-endian:
-//! - `MESH`, vertex count, element count, corners per element (2 or 3) + 256 if kinds follow + 512, 1024, 2048 for each of
+//! - `MESH`, vertex count, element count, corners per element (2 or 3) + 256 if kinds follow + 512, 1024, 2048, 4096 for each of
 //!   [`ColorBy::STORED`] whose values follow (u32 each);
 //! - lower and upper corner of the box (f32 each);
 //! - per axis the low bytes, then the high bytes of the differences of successive positions (wrapping u16);
@@ -14,11 +14,8 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use meniscus_numerics::mesh::ply::PlyMesh;
 
-use crate::color_map::{ColorBy, ScalarRange};
+use crate::color_map::{ColorBy, ScalarRanges};
 use crate::folder::Bounds;
-
-/// The ranges of [`ColorBy::STORED`].
-pub(crate) type ScalarRanges = [Option<ScalarRange>; 3];
 
 /// Packs a mesh: its triangles, or its edges if it has no triangles, and the values with a range.
 pub(crate) fn pack(mesh: &PlyMesh, ranges: &ScalarRanges) -> String {
@@ -41,8 +38,8 @@ fn encode(mesh: &PlyMesh, ranges: &ScalarRanges) -> Vec<u8> {
     let mut out = Vec::with_capacity(40 + 7 * n + 2 * indices.len());
     out.extend_from_slice(b"MESH");
     let shaded = |k: usize| Some((ColorBy::STORED[k].values(mesh)?, ranges[k].as_ref()?));
-    let shaded: Vec<_> = (0..3).map(shaded).collect();
-    let bits = (0..3).filter(|k| shaded[*k].is_some()).map(|k| 512 << k).sum::<u32>();
+    let shaded: Vec<_> = (0..ranges.len()).map(shaded).collect();
+    let bits = (0..ranges.len()).filter(|k| shaded[*k].is_some()).map(|k| 512 << k).sum::<u32>();
     let flags = corners + if kinds.is_some() { 256 } else { 0 } + bits;
     for x in [n as u32, indices.len() as u32 / corners, flags] {
         out.extend_from_slice(&x.to_le_bytes());
@@ -108,6 +105,7 @@ pub(crate) fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::color_map::ScalarRange;
     use std::io::Read;
 
     fn unbase64(text: &str) -> Vec<u8> {
@@ -200,7 +198,7 @@ pub(crate) mod tests {
             (0..3).for_each(|a| assert!((p[a] - q[a]).abs() < 0.1 / 65535.0 * 0.6 + 1e-7, "{p:?} {q:?}"));
         }
         mesh.scalars.insert("strain".into(), (0..300).map(f64::from).collect());
-        let ranges = [None, Some(ScalarRange { low: 0.0, high: 299.0 }), None];
+        let ranges = [None, Some(ScalarRange { low: 0.0, high: 299.0 }), None, None];
         let places = &unpack(&pack(&mesh, &ranges)).scalars["strain"];
         assert!((0..300).all(|i| (places[i] - i as f64 / 299.0).abs() < 0.6 / 255.0));
         mesh.edges = vec![[0, 5], [5, 299]];

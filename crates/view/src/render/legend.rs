@@ -24,7 +24,8 @@ impl ColorMapping {
         if shade == ColorBy::Plain {
             return Ok(None);
         }
-        let [range] = scalar_ranges(folder, [shade])?;
+        let stored = ColorBy::STORED.into_iter().zip(scalar_ranges(folder)?);
+        let range = stored.filter(|(of, _)| *of == shade).find_map(|(_, range)| range);
         let nothing = || {
             let what = format!("no solid in the frames has values of `{}`", shade.name());
             ViewError::content(&folder.dir, what)

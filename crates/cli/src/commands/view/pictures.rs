@@ -1,7 +1,7 @@
 //! `meniscus render` and `meniscus page`, also used at the end of `run`.
 
-use super::print;
 use crate::args::{PageArgs, RenderArgs};
+use crate::commands::print;
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use indicatif::{ProgressBar, ProgressStyle};
 use meniscus_view::{Appearance, Camera, ColorBy, PageOptions, RenderOptions, Rendered, Style};
@@ -92,7 +92,7 @@ fn style(text: &str) -> Result<Style> {
 fn shade(text: &str) -> Result<ColorBy> {
     ColorBy::named(text).ok_or_else(|| {
         let failure = Failure::new(USAGE, format!("solids cannot be coloured by `{text}`"));
-        failure.help("use plain, phi_c, strain or displacement")
+        failure.help("use plain, phi_c, strain, displacement or young")
     })
 }
 
