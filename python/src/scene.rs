@@ -122,6 +122,7 @@ impl Scene {
             scene: source.display().to_string(),
             set: settings,
             quality: self::quality(quality)?,
+            cells: None,
         };
         py.detach(|| load(&args, &[])).or_raise(py)?;
         Ok(Self { args: Mutex::new(args) })

@@ -21,10 +21,11 @@ pub struct Loaded {
 pub fn load(args: &SceneArgs, more: &[String]) -> Result<Loaded> {
     let options = LoadOptions {
         sets: args.set.iter().chain(more).cloned().collect(),
-        quality: match args.quality {
-            Some(args::Quality::Draft) => Quality::Draft,
-            Some(args::Quality::Paper) => Quality::Paper,
-            Some(args::Quality::Normal) | None => Quality::Normal,
+        quality: match (args.cells, args.quality) {
+            (Some(cells), _) => Quality::Cells(cells),
+            (None, Some(args::Quality::Draft)) => Quality::Draft,
+            (None, Some(args::Quality::Paper)) => Quality::Paper,
+            (None, Some(args::Quality::Normal) | None) => Quality::Normal,
         },
     };
     let path = Path::new(&args.scene);

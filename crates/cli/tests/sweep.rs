@@ -177,6 +177,26 @@ fn a_threshold_is_found_and_the_search_survives_a_kill() {
 }
 
 #[test]
+fn a_budget_chooses_the_resolution() {
+    let place = Place::new("budget");
+    std::fs::write(place.path("fall.toml"), FALL).unwrap();
+    let cells = |time: &str, out: &str| {
+        let line =
+            format!("sweep fall.toml --vary liquid.gravity.1=-1,-4m/s^2 --budget {time} --out {out} --slurm");
+        let said = place.run(&line);
+        assert_eq!(said.status.code(), Some(0), "{}", text(&said.stderr));
+        let scene = read(&place.path(out).join("case_0001.toml"));
+        scene.lines().find_map(|line| line.strip_prefix("resolution = ")).unwrap().parse::<u32>().unwrap()
+    };
+    let [less, more] = [cells("5m", "less"), cells("3h", "more")];
+    assert!(16 < less && less < more && more <= 1024, "{less} {more}");
+    assert_eq!(cells("3h", "less"), less, "a sweep keeps its resolution");
+    let refusal =
+        words(&place.expect("sweep fall.toml --vary liquid.gravity.1=-1,-4m/s^2 --budget 0.000001s", 2));
+    assert!(refusal.contains("longer than the budget"), "{refusal}");
+}
+
+#[test]
 fn a_slurm_array_runs_the_cases_and_requeues_them() {
     let place = Place::new("slurm");
     std::fs::write(place.path("fall.toml"), FALL).unwrap();

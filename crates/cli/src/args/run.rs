@@ -17,6 +17,9 @@ pub struct SceneArgs {
     /// Resolution of the grid.
     #[arg(long, value_enum)]
     pub quality: Option<Quality>,
+    /// Cells along the longest side, in place of a quality; a command chooses them.
+    #[arg(skip)]
+    pub cells: Option<u32>,
 }
 
 /// `meniscus run`.

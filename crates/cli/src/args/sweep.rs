@@ -56,6 +56,9 @@ pub struct SweepArgs {
     /// With --find: relative width of the interval in which the value is. [default: 0.02]
     #[arg(long, value_name = "X", requires = "find", value_parser = relative_tolerance)]
     pub tolerance: Option<f64>,
+    /// Choose the resolution with which all cases together take about this time, such as 2h, by the estimate of `meniscus check`.
+    #[arg(long, value_name = "TIME", value_parser = wall_time, conflicts_with_all = ["quality", "collect", "case"])]
+    pub budget: Option<Duration>,
     /// Stop with checkpoints after this wall time, such as 55m (exit status 75).
     #[arg(long, value_name = "TIME", value_parser = wall_time)]
     pub walltime: Option<Duration>,

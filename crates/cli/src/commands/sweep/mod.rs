@@ -3,6 +3,7 @@
 //! A sweep is a folder: `sweep.json` with its plan, for each case `case_NNNN.toml`, the scene as run, and `case_NNNN`, the output folder,
 //! `sweep.csv` and `index.html` with what the cases came to. All that says how far it is lies in these files: the same command goes on.
 
+mod budget;
 mod find;
 mod grid;
 mod outcome;
@@ -18,6 +19,7 @@ pub use self::runner::{Ended, Runner};
 pub use self::table::{Cell, Parameter, Row, Table};
 pub use self::vary::Vary;
 
+use self::budget::Budget;
 use self::find::Search;
 use self::plan::{Plan, SweepFolder};
 
@@ -61,12 +63,13 @@ fn wrong_value((message, help): ValueError) -> Failure {
 /// A sweep whose folder is given.
 fn of_folder(args: &SweepArgs, folder: &SweepFolder) -> Result {
     let changes = !args.vary.is_empty() || !args.scene.set.is_empty() || args.scene.quality.is_some();
+    let changes = changes || args.budget.is_some();
     if changes || args.out.is_some() || args.find.is_some() {
         let message =
             format!("`{}` is the folder of a sweep, whose scenes are written", folder.root().display());
         return Err(usage(
             message,
-            "leave out --vary, --set, --quality, --find and --out, or give the scene",
+            "leave out --vary, --set, --quality, --budget, --find and --out, or give the scene",
         ));
     }
     let plan = folder.plan()?;
@@ -85,8 +88,30 @@ fn grid(args: &SweepArgs) -> Result {
     if let Some(case) = args.case.filter(|case| *case >= count) {
         return Err(no_case(case, count));
     }
-    let sweep = Sweep::new(&args.scene, vary, args.out.as_deref())?;
+    let name = scenes::load(&args.scene, &[])?.scene.name;
+    let folder = SweepFolder::at(&out(args, &format!("{name}-sweep")));
+    let first = vary.iter().filter_map(|v| Some(format!("{}={}", v.path, v.values.first()?)));
+    let last = vary.iter().filter_map(|v| Some(format!("{}={}", v.path, v.values.last()?)));
+    let scene = in_budget(args, &folder, count, &[first.collect(), last.collect()])?;
+    let sweep = Sweep::new(&scene, vary, args.out.as_deref())?;
     work(args, sweep.folder(), sweep.plan())
+}
+
+/// The scene with the resolution for `--budget`, if it is given. `ends` are the settings of the first and the last of the cases.
+fn in_budget(
+    args: &SweepArgs,
+    folder: &SweepFolder,
+    cases: usize,
+    ends: &[Vec<String>; 2],
+) -> Result<SceneArgs> {
+    let mut scene = args.scene.clone();
+    if let Some(budget) = args.budget {
+        // A search runs one case after the other.
+        let jobs = if args.find.is_some() { 1 } else { args.jobs.into() };
+        let budget = Budget { seconds: budget.as_secs_f64(), cases, jobs };
+        scene.cells = Some(budget.cells(&scene, folder, ends)?);
+    }
+    Ok(scene)
 }
 
 fn out(args: &SweepArgs, name: &str) -> PathBuf {
@@ -135,7 +160,7 @@ fn work(args: &SweepArgs, folder: &SweepFolder, plan: &Plan) -> Result {
 fn one(args: &SweepArgs, folder: &SweepFolder, case: usize) -> Result {
     let scene = folder.scene(case).display().to_string();
     run::run(&RunArgs {
-        scene: SceneArgs { scene, set: Vec::new(), quality: None },
+        scene: SceneArgs { scene, set: Vec::new(), quality: None, cells: None },
         out: Some(folder.run(case)),
         resume: true,
         until: None,
@@ -157,11 +182,15 @@ fn find(args: &SweepArgs, check: &str) -> Result {
         return Err(usage("--find chooses its cases itself", "leave out --case"));
     }
     let interval = Interval::parse(text).map_err(wrong_value)?;
-    let load = |set: &str| Ok(scenes::load(&args.scene, &[set.to_owned()])?.scene);
     let tolerance = args.tolerance.unwrap_or(TOLERANCE);
-    let search = Search { interval, check: check.to_owned(), tolerance, load: &load };
     let name = scenes::load(&args.scene, &[])?.scene.name;
     let folder = SweepFolder::at(&out(args, &format!("{name}-find")));
+    let ends = [interval.from, interval.to].map(|x| vec![format!("{}={}", interval.path, interval.text(x))]);
+    // The two ends, and the halvings from the whole range to the tolerance.
+    let cases = 2 + (1.0 / tolerance).log2().ceil() as usize;
+    let scene = in_budget(args, &folder, cases, &ends)?;
+    let load = |set: &str| Ok(scenes::load(&scene, &[set.to_owned()])?.scene);
+    let search = Search { interval, check: check.to_owned(), tolerance, load: &load };
     let plan = search.plan(&name);
     search.check_ends()?;
     folder.keep_plan(&plan)?;

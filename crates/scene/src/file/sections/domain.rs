@@ -71,6 +71,8 @@ pub enum Quality {
     Normal,
     /// The resolution of `domain.quality.paper`.
     Paper,
+    /// So many cells along the longest side.
+    Cells(u32),
 }
 
 /// Type of a side of the domain.
@@ -211,6 +213,7 @@ impl Domain {
                 let help = "add `quality = { paper = 192 }` to [domain], or run it with another quality";
                 v.error("domain", "the scene has no resolution for quality `paper`", help)
             })?,
+            Quality::Cells(n) => f64::from(n),
         };
         let path = if self.stated_dx.is_some() { "domain.dx" } else { "domain.resolution" };
         v.within(path, "the number of cells along the longest side", wanted, [4.0, MAX_CELLS.into()])?;
