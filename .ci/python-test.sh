@@ -35,6 +35,7 @@ case $wheel in *-cp310-abi3-*) ;; *) echo "the wheel is not one for Python 3.10 
 "$python" -m venv "$work/fresh"
 pip=("$work/fresh/bin/python" -m pip --disable-pip-version-check)
 "${pip[@]}" install -q "$wheel" pytest
+"${pip[@]}" install -q distributed ray >"$work/pip" 2>&1 || echo "python-test: without Dask and Ray: $(tail -n 1 "$work/pip")"
 
 # The best of five: other work on the machine does not count.
 "$work/fresh/bin/python" - "$longest_import" <<'PROGRAM'
