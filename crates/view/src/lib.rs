@@ -9,6 +9,7 @@ mod folder;
 mod measure;
 mod page;
 mod render;
+mod whole_file;
 
 pub use crate::color_map::ColorBy;
 pub use crate::error::{Result, ViewError};

@@ -46,12 +46,13 @@ fn simulate(args: &RunArgs, scene: &Scene, folder: Option<PathBuf>) -> Result {
     let outcome = setup.run(&job, &folder, existing, &|| watch.request(), &mut reporter)?;
     let text = args.log == LogFormat::Text && !args.quiet;
     match outcome {
-        Outcome::AlreadyFinished(_) => {
+        Outcome::AlreadyFinished(summary) if is_concluded(scene, &summary, &folder) => {
             if text {
                 print(&format!("already finished: {}\n", out.display()))?;
             }
-            Ok(0)
+            Ok(status(&summary))
         }
+        Outcome::AlreadyFinished(summary) => finish(args, scene, summary, &folder),
         Outcome::Stopped(_, summary) => stopped(args, &summary, &out),
         Outcome::Finished(summary) => finish(args, scene, summary, &folder),
     }
@@ -116,6 +117,18 @@ fn quote(word: &str) -> String {
     }
 }
 
+/// Whether all that follows a finished run is there: the verdicts and, made last, the page.
+fn is_concluded(scene: &Scene, summary: &Summary, folder: &Folder) -> bool {
+    let has_page = folder.root().join("page/index.html").is_file();
+    let has_verdicts = scene.expect.is_empty() || !summary.expect.is_empty();
+    has_verdicts && (has_page || !scene.output.formats.contains(&Format::Page))
+}
+
+/// The exit status of a finished run.
+fn status(summary: &Summary) -> u8 {
+    if summary.expect.iter().all(|v| v.pass) { 0 } else { MISSED }
+}
+
 /// Reports expectations, makes pictures and page, and prints their paths.
 fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) -> Result {
     conclude(scene, &mut summary, folder)?;
@@ -150,7 +163,7 @@ fn finish(args: &RunArgs, scene: &Scene, mut summary: Summary, folder: &Folder) 
         verdicts.filter(|(_, v)| !v.pass).for_each(|(group, v)| eprintln!("{}", verdict_line(group, v)));
     }
     shown?;
-    Ok(if summary.expect.iter().all(|v| v.pass) { 0 } else { MISSED })
+    Ok(status(&summary))
 }
 
 /// Evaluates `[expect]` of a finished run and writes its summary.

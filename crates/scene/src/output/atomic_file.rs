@@ -64,9 +64,7 @@ pub fn write_atomically(
     if written.is_err() {
         let _ = std::fs::remove_file(&beside);
     }
-    written.map_err(FileError::of("write", path))?;
-    sync_folder(path);
-    Ok(())
+    written.and_then(|()| sync_folder(path)).map_err(FileError::of("write", path))
 }
 
 /// The temporary name of a file: `frames/x.ply` → `frames/x.ply.part`.
@@ -76,10 +74,13 @@ fn temporary_path(path: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Makes a rename durable. Not all systems can sync a folder, and the rename has already happened, so errors are ignored.
-fn sync_folder(path: &Path) {
-    if let Some(Ok(folder)) = path.parent().map(File::open) {
-        let _ = folder.sync_all();
+/// Makes a rename durable. Not all systems can open or sync a folder, which is no failure.
+fn sync_folder(path: &Path) -> io::Result<()> {
+    use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
+    let Some(Ok(folder)) = path.parent().map(File::open) else { return Ok(()) };
+    match folder.sync_all() {
+        Err(error) if [InvalidInput, PermissionDenied, Unsupported].contains(&error.kind()) => Ok(()),
+        done => done,
     }
 }
 

@@ -5,6 +5,7 @@ mod packed_mesh;
 pub(crate) mod time_series;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -15,6 +16,7 @@ pub use live::{LiveRun, live_page};
 use crate::color_map::{self, ColorBy, ScalarRange, ScalarRanges};
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
+use crate::whole_file;
 use time_series::TimeSeries;
 
 /// The page without data, built from `web/`.
@@ -149,7 +151,7 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent).map_err(ViewError::io(parent))?;
     }
-    std::fs::write(&path, &html).map_err(ViewError::io(&path))?;
+    whole_file::write(&path, |file| file.write_all(html.as_bytes()).map_err(ViewError::io(&path)))?;
     Ok(PageReport { path, bytes: html.len() as u64, frames: kept.len(), every: asked * skip })
 }
 

@@ -1,12 +1,11 @@
 //! Images in memory, line drawing and PNG files.
 
-use std::fs::File;
-use std::io::BufWriter;
 use std::ops::Range;
 use std::path::Path;
 
 use crate::error::{Result, ViewError};
 use crate::folder::V3;
+use crate::whole_file;
 
 /// An image in linear colours.
 #[derive(Clone, Debug)]
@@ -126,13 +125,14 @@ fn line_coverage(a: [f64; 2], b: [f64; 2], width: f64, x: usize, y: usize) -> (f
 impl Image {
     /// Writes the image as a PNG file.
     pub fn save(&self, path: &Path) -> Result<()> {
-        let file = File::create(path).map_err(ViewError::io(path))?;
-        let mut encoder = png::Encoder::new(BufWriter::new(file), self.width, self.height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        let fail = |source| ViewError::Png { path: path.into(), source };
-        let mut writer = encoder.write_header().map_err(fail)?;
-        writer.write_image_data(&self.rgb).map_err(fail)?;
-        writer.finish().map_err(fail)
+        whole_file::write(path, |file| {
+            let mut encoder = png::Encoder::new(file, self.width, self.height);
+            encoder.set_color(png::ColorType::Rgb);
+            encoder.set_depth(png::BitDepth::Eight);
+            let fail = |source| ViewError::Png { path: path.into(), source };
+            let mut writer = encoder.write_header().map_err(fail)?;
+            writer.write_image_data(&self.rgb).map_err(fail)?;
+            writer.finish().map_err(fail)
+        })
     }
 }

@@ -94,7 +94,10 @@ impl<const D: usize> Session<D> {
         observer: &mut dyn Observer,
     ) -> Result<Summary, RunError> {
         let saved = if is_state_good { self.write_checkpoint(observer) } else { Ok(()) };
-        let written = self.series.sync();
+        let saved = saved.and(self.sync_series());
+        // A run whose last files are not whole is not finished: a resumed one writes them.
+        let failure = saved.as_ref().err().map(|error| format!("failed: {error}"));
+        let reason = failure.as_deref().filter(|_| !reason.starts_with("failed")).unwrap_or(reason);
         self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
         let summary = self.summary(reason);
         let told = summary.write(&self.folder.summary());
@@ -107,7 +110,6 @@ impl<const D: usize> Session<D> {
         };
         self.emit(event, observer)?;
         saved?;
-        written?;
         told?;
         Ok(summary)
     }
