@@ -25,6 +25,10 @@ pub struct VerifyArgs {
     /// one version are told apart only if MENISCUS_COMMIT named the commit when they were compiled.
     #[arg(long, requires = "json")]
     pub resume: bool,
+    /// Add a line for each case to this file: of the check nearest to its bar, the error and the bar, and the seconds. Lines of the
+    /// same version are replaced. The pages draw the history.
+    #[arg(long, value_name = "FILE")]
+    pub history: Option<PathBuf>,
     /// Write the results as an HTML page.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,

@@ -3,7 +3,8 @@
 use super::{print, save, version, with_threads};
 use crate::args::VerifyArgs;
 use crate::failure::{Failure, MISSED, Result, USAGE};
-use meniscus_validation::{Case, Mode, Outcome, cases, groups, report};
+use meniscus_validation::report::{self, History};
+use meniscus_validation::{Case, Mode, Outcome, cases, groups};
 use std::fmt::Write as _;
 use std::panic::resume_unwind;
 use std::path::PathBuf;
@@ -21,6 +22,7 @@ pub fn verify(args: &VerifyArgs) -> Result {
         print(&out)?;
         return Ok(0);
     }
+    earlier_history(args)?;
     let mode = if args.quick { Mode::Quick } else { Mode::Full };
     let earlier = if args.resume { earlier_outcomes(args, mode)? } else { Vec::new() };
     let suite = Suite { args, mode, chosen: &chosen, progress: Mutex::new(Progress::new(&chosen, earlier)) };
@@ -112,9 +114,24 @@ fn save_results(args: &VerifyArgs, outcomes: &[Outcome], mode: Mode) -> Result<(
         Some(path) => save(path, &text()),
         None => Ok(()),
     };
+    let mut history = earlier_history(args)?;
+    history.add(outcomes, mode, &version());
     save(&args.json, &|| format!("{:#}\n", report::json(outcomes, mode, &version())))?;
-    save(&args.html, &|| report::html(outcomes, &version()))?;
-    save(&args.markdown, &|| report::markdown(outcomes, groups(), mode, &version()))
+    save(&args.history, &|| history.text())?;
+    save(&args.html, &|| report::html(outcomes, mode, &version(), &history))?;
+    save(&args.markdown, &|| report::markdown(outcomes, groups(), mode, &version(), &history))
+}
+
+/// The history in the file of `--history`; empty where there is no such file.
+fn earlier_history(args: &VerifyArgs) -> Result<History> {
+    let Some(path) = args.history.as_ref().filter(|path| path.exists()) else {
+        return Ok(History::default());
+    };
+    let text = std::fs::read_to_string(path).map_err(Failure::file("read", path))?;
+    History::parse(&text).map_err(|reason| {
+        Failure::new(USAGE, format!("{} is no history: {reason}", path.display()))
+            .help("give another file to --history")
+    })
 }
 
 /// The outcomes in the file of `--json`; none where there is no such file.

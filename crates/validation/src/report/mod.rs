@@ -1,5 +1,9 @@
 //! The results of the validation suite as text, JSON, HTML and Markdown.
 
+mod history;
+
+pub use history::{Entry, History};
+
 use crate::{Check, Group, Mode, Outcome};
 use meniscus_scene::output::markdown::{one_line, row};
 use serde::Deserialize;
@@ -61,7 +65,7 @@ pub fn outcomes_of_json(text: &str, mode: Mode, version: &str) -> Result<Vec<Out
 }
 
 /// The results as a self-contained page. `version` is that of the program.
-pub fn html(outcomes: &[Outcome], version: &str) -> String {
+pub fn html(outcomes: &[Outcome], mode: Mode, version: &str, history: &History) -> String {
     let (passed, all) = count(outcomes);
     let mut out = String::from(HEAD);
     let _ = writeln!(
@@ -79,7 +83,8 @@ pub fn html(outcomes: &[Outcome], version: &str) -> String {
             row[1..].iter().for_each(|cell| out += &format!("<td>{}", escape(cell)));
             out += "</tr>\n";
         }
-        let _ = writeln!(out, "</table><p class=time>{:.1} s</p>", outcome.seconds);
+        let drawing = history.drawing(&outcome.name, mode);
+        let _ = writeln!(out, "</table><p class=time>{:.1} s {drawing}</p>", outcome.seconds);
     }
     out + "</body></html>\n"
 }
@@ -88,11 +93,18 @@ const HEAD: &str = "<!doctype html><html lang=en><head><meta charset=utf-8><titl
 body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1b2a33}
 table{border-collapse:collapse;width:100%}th,td{text-align:right;padding:.2rem .6rem;border-bottom:1px solid #dde}
 th:first-child,td:first-child{text-align:left}.pass td:last-child{color:#0a7d3c}.fail td{background:#fdecea}
-.time{color:#789;font-size:.85rem}</style></head><body>
+.time{color:#789;font-size:.85rem}.history{float:right;fill:none;stroke:#9ab}.bar{stroke:#d43;stroke-dasharray:4 3}
+.met{fill:#0a7d3c;stroke:none}.missed{fill:#d43;stroke:none}</style></head><body>
 ";
 
 /// The results as a page of Markdown: totals, then a table for each of the groups of cases. `version` is that of the program.
-pub fn markdown(outcomes: &[Outcome], groups: &[Group], mode: Mode, version: &str) -> String {
+pub fn markdown(
+    outcomes: &[Outcome],
+    groups: &[Group],
+    mode: Mode,
+    version: &str,
+    history: &History,
+) -> String {
     let command = match mode {
         Mode::Quick => "meniscus verify --quick",
         Mode::Full => "meniscus verify",
@@ -111,18 +123,20 @@ pub fn markdown(outcomes: &[Outcome], groups: &[Group], mode: Mode, version: &st
         if !ours.is_empty() {
             let (passed, all) = count(ours.iter().copied());
             out += &row(&[group.title, &ours.len().to_string(), &all.to_string(), &passed.to_string()]);
-            tables += &markdown_table(group.title, &ours);
+            tables += &markdown_table(group.title, &ours, &|case| history.signs(case, mode));
         }
     }
     out + &tables
 }
 
-/// A group's section: the titles of its cases, and a table of their checks.
-fn markdown_table(title: &str, outcomes: &[&Outcome]) -> String {
+/// A group's section: the titles and histories of its cases, and a table of their checks.
+fn markdown_table(title: &str, outcomes: &[&Outcome], history: &dyn Fn(&str) -> String) -> String {
     let mut out = format!("\n## {title}\n\n");
     for outcome in outcomes {
-        let _ =
-            writeln!(out, "- `{}`: {} ({:.0} s)", outcome.name, one_line(&outcome.title), outcome.seconds);
+        let (name, title) = (&outcome.name, one_line(&outcome.title));
+        let line = format!("- `{name}`: {title} ({:.0} s) {}", outcome.seconds, history(name));
+        out += line.trim_end();
+        out.push('\n');
     }
     out += "\n| case | quantity | value | reference | error | bar | |\n|---|---|---|---|---|---|---|\n";
     for check in outcomes.iter().flat_map(|o| &o.checks) {
@@ -198,7 +212,10 @@ mod tests {
         let text = text(&outcome);
         assert!(text.contains("aim met") && text.contains("FAIL"));
         assert!(summary(std::slice::from_ref(&outcome)).contains("1 of 2 checks"));
-        assert!(html(std::slice::from_ref(&outcome), "0.1.0").contains("A &lt;drop&gt;"));
+        assert!(
+            html(std::slice::from_ref(&outcome), Mode::Quick, "0.1.0", &History::default())
+                .contains("A &lt;drop&gt;")
+        );
         let saved = json(std::slice::from_ref(&outcome), Mode::Quick, "0.1.0");
         assert_eq!(saved["passed"], 1);
         let text = saved.to_string();
@@ -228,7 +245,7 @@ mod tests {
             Group { title: "Contact lines", cases: &[case("sessile-2d")] },
             Group { title: "Rigid solids", cases: &[case("bounce")] },
         ];
-        let page = markdown(&outcomes, &GROUPS, Mode::Quick, "0.1.0");
+        let page = markdown(&outcomes, &GROUPS, Mode::Quick, "0.1.0", &History::default());
         for part in [
             "Meniscus 0.1.0, `meniscus verify --quick`: 2 cases; 1 of 2 checks passed in 4 s.",
             "| Liquid without solids | 1 | 1 | 1 |\n| Contact lines | 1 | 1 | 0 |\n\n## Liquid without solids\n",
