@@ -40,7 +40,7 @@ export async function follow(show) {
         const all = await json("data");
         tell(all, shown);
         if (all.runs.length) {
-          await show(all.runs[0], all.runs[1] ?? null);
+          await show({ ...all.runs[0], preview: Boolean(all.report) }, all.runs[1] ?? null);
           shown = true;
         }
         version = all.version;

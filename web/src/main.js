@@ -208,15 +208,15 @@ async function start() {
     at("message").textContent = "There is no run in this page: write one with `meniscus page`.";
     return;
   }
-  const page = new Page();
-  if (data.live) {
-    tellOfPoints(page);
-    await follow((run, other) => page.show(run, other));
-    return;
-  }
-  await page.show(data);
-  const asked = /frame=(\d+)/.exec(location.hash);
-  await page.player.go(asked ? Number(asked[1]) : 0);
+  const page = new Page(), asked = /frame=(\d+)/.exec(location.hash);
+  const show = async (run, other) => {
+    const first = !page.data;
+    await page.show(run, other);
+    if (first && asked) await page.player.go(Number(asked[1]));
+  };
+  if (!data.live) return show(data);
+  tellOfPoints(page);
+  return follow(show);
 }
 
 start();

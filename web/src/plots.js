@@ -29,7 +29,8 @@ function columnsOf(series) {
   const columns = new Map(series.names.map((name, i) => [name, series.columns[i]]));
   const volume = columns.get("liquid_volume");
   const first = volume?.find((v) => v);
-  if (first) columns.set("volume_error", volume.map((v) => (v === null ? null : 100 * (v / first - 1))));
+  const error = columns.get("volume_error") ?? (first && volume.map((v) => (v === null ? null : v / first - 1)));
+  if (error) columns.set("volume_error", error.map((v) => (v === null ? null : 100 * v)));
   const [mean, std] = [columns.get("contact_angle_mean"), columns.get("contact_angle_std")];
   if (mean && std?.some((v) => v)) {
     for (const [name, sign] of [["mean + std", 1], ["mean − std", -1]]) {

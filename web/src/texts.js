@@ -107,6 +107,7 @@ export function fillTexts(data) {
   for (const id of ["facts-table", "parameters"]) at(id).replaceChildren();
   facts(parameters, at("facts-table"));
   if (summary) groups(summary, dimension).forEach(([title, rows]) => fill(at("parameters"), title, rows));
+  at("parameters").parentElement.hidden = Boolean(data.preview);
   at("scene-box").hidden = !data.scene;
   at("scene").textContent = degrees(data.scene);
 }

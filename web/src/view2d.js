@@ -88,7 +88,8 @@ export class View2D {
     const { low, high } = this.extent, domain = this.data.domain;
     const margin = 0.12 * Math.hypot(high[0] - low[0], high[1] - low[1]);
     let box = [low[0] - margin, low[1] - margin, high[0] + margin, high[1] + margin];
-    if (domain) {
+    if (domain && this.data.preview) box = [0, 0, domain[0], domain[1]];
+    else if (domain) {
       const { clientWidth: w, clientHeight: h } = this.box;
       const scale = (width, height) => Math.min((w || 4) / width, (h || 3) / height);
       if (scale(box[2] - box[0], box[3] - box[1]) > CLOSER * scale(domain[0], domain[1])) {

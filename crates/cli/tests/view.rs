@@ -125,6 +125,9 @@ fn wrong_views_are_refused() {
     assert!(
         words(&place.expect("view plate.toml --with nowhere", 4)).contains("there is no folder `nowhere`")
     );
+    assert!(words(&place.expect("view out/nowhere", 4)).contains("out/nowhere"));
+    std::fs::create_dir(place.path("empty")).unwrap();
+    assert!(words(&place.expect("view empty --set domain.resolution=3", 2)).contains("--set"));
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let line = format!("view plate.toml --port {}", taken.local_addr().unwrap().port());
     assert!(words(&place.expect(&line, 4)).contains("cannot listen on port"));

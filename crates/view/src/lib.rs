@@ -9,6 +9,7 @@ mod folder;
 mod measure;
 mod page;
 mod render;
+mod wetted;
 mod whole_file;
 
 pub use crate::color_map::ColorBy;
@@ -24,3 +25,4 @@ pub use crate::page::{LiveRun, PageOptions, PageReport, live_page, make_page, wr
 pub use crate::render::{
     Appearance, Camera, Image, ImageSize, RenderOptions, Rendered, Renderer, Style, render,
 };
+pub use crate::wetted::WettedFaces;

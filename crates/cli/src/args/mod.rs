@@ -5,7 +5,7 @@ mod run;
 mod sweep;
 mod verification;
 
-pub use output::{ExportArgs, MeasureArgs, PageArgs, RenderArgs, UpAxis, ViewArgs};
+pub use output::{ExportArgs, MeasureArgs, PageArgs, RenderArgs, UpAxis, ViewArgs, Wetted};
 pub use run::{CheckArgs, LogFormat, Quality, RunArgs, SceneArgs};
 pub use sweep::SweepArgs;
 pub use verification::{BenchArgs, Set, SoakArgs, Solids, VerifyArgs};

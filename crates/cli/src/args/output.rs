@@ -173,6 +173,20 @@ pub struct ExportArgs {
     /// Turn the frames so that this axis points up. Default: z in 3D, y in 2D, as in the scene. (GLB files always have y up.)
     #[arg(long, value_enum)]
     pub up: Option<UpAxis>,
+    /// Faces of the liquid's surface that lie on a solid.
+    #[arg(long, value_enum, default_value_t = Wetted::Keep)]
+    pub wetted: Wetted,
+}
+
+/// What becomes of the faces of the liquid's surface that lie on a solid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Wetted {
+    /// They are written as they are.
+    Keep,
+    /// They are moved half a cell into the solid, so that a path tracer sees no gap of air between liquid and solid.
+    Sink,
+    /// They are left out; the surface is then open where the liquid lies on a solid.
+    Remove,
 }
 
 /// The axis that points up.

@@ -8,7 +8,7 @@ use std::time::Duration;
 /// Which scene, and what is changed in it.
 #[derive(Clone, Debug, Args)]
 pub struct SceneArgs {
-    /// A .toml file, or the name of a built-in scene.
+    /// A .toml file, the name of a built-in scene, or the output folder of a run.
     #[arg(value_name = "SCENE")]
     pub scene: String,
     /// Change a value of the scene, such as --set domain.resolution=96 (repeatable).

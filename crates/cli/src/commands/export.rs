@@ -4,12 +4,12 @@
 //! every frame. Checkpoints have more, but only of the last two times, and only this version reads them.
 
 use super::print;
-use crate::args::{ExportArgs, UpAxis};
+use crate::args::{ExportArgs, UpAxis, Wetted};
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use meniscus_scene::output::atomic_file::create_folder;
 use meniscus_scene::output::frame::{Format, Frame, FrameMesh, stored_wall_solid};
 use meniscus_scene::output::{FileError, Folder};
-use meniscus_view::{RunFolder, ViewError};
+use meniscus_view::{Frame as StoredFrame, RunFolder, ViewError, WettedFaces};
 use std::path::{Path, PathBuf};
 
 /// Converts frames of a run.
@@ -27,9 +27,12 @@ pub fn export(args: &ExportArgs) -> Result {
         Some(UpAxis::Y) => 1,
         Some(UpAxis::Z) => 2,
     };
+    let (wetted, dx) = wetted_faces(&run, args.wetted)?;
     let (mut without_line, mut has_elements) = (0, false);
     for number in &numbers {
-        let frame = stored_frame(&run, *number)?.placed(args.scale, up);
+        let mut stored = read(&run, *number)?;
+        wetted.apply(&mut stored, run.dimension, dx);
+        let frame = rebuilt(&run, stored)?.placed(args.scale, up);
         without_line += usize::from(frame.contact_line.is_none());
         has_elements |= frame.solids.iter().any(|(_, mesh)| mesh.values("ux").is_some());
         writer.write(&folder, u64::from(*number), &frame)?;
@@ -64,11 +67,36 @@ fn chosen_frames(run: &RunFolder, args: &ExportArgs) -> Result<Vec<u32>> {
 /// # Errors
 /// A failure of status 4 if there is no such frame, or a file of it cannot be read.
 pub fn stored_frame(run: &RunFolder, number: u32) -> Result<Frame> {
+    rebuilt(run, read(run, number)?)
+}
+
+/// The meshes of a frame.
+fn read(run: &RunFolder, number: u32) -> Result<StoredFrame> {
     let help = "the file may be damaged: leave the frame out with --frames, or run the scene again";
     let fail = |error: ViewError| Failure::new(OUTPUT, error.to_string()).help(help);
-    let stored = run.frame(number).map_err(fail)?;
+    run.frame(number).map_err(fail)
+}
+
+/// What becomes of wetted faces, and the size of a cell, which moving them needs.
+fn wetted_faces(run: &RunFolder, wetted: Wetted) -> Result<(WettedFaces, f64)> {
+    let faces = match wetted {
+        Wetted::Keep => WettedFaces::Keep,
+        Wetted::Sink => WettedFaces::Sink,
+        Wetted::Remove => WettedFaces::Remove,
+    };
+    match (faces, run.dx) {
+        (WettedFaces::Sink, None) => {
+            let message = format!("{}: the size of a cell is unknown", run.dir.display());
+            Err(Failure::new(OUTPUT, message).help("summary.json has no `dx`: leave out --wetted sink"))
+        }
+        (faces, dx) => Ok((faces, dx.unwrap_or(0.0))),
+    }
+}
+
+/// A frame of its stored meshes.
+fn rebuilt(run: &RunFolder, stored: StoredFrame) -> Result<Frame> {
     let time = stored.time.ok_or_else(|| {
-        let message = format!("{}: the time of frame {number} is unknown", run.dir.display());
+        let message = format!("{}: the time of frame {} is unknown", run.dir.display(), stored.number);
         Failure::new(OUTPUT, message)
             .help("the PLY files have no comment `time`, and summary.json no frame_interval")
     })?;

@@ -1,8 +1,6 @@
 //! Pictures of runs in two dimensions.
 
-use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::ply::PlyMesh;
-use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 
 use super::coverage::coverage;
 use super::image::{Canvas, Image, ImageSize};
@@ -11,13 +9,10 @@ use super::setup::round_length;
 use super::{Appearance, label};
 use crate::color_map::linear_from_srgb;
 use crate::folder::{Bounds, Frame, RunFolder, V3};
+use crate::wetted::{self, Depths};
 
 /// Magnification of the liquid above which the window shows less than the whole domain.
 const ZOOM_THRESHOLD: f64 = 1.7;
-
-/// Largest distance of a wetted vertex from a solid, and its depth below the solid's surface after snapping, in cells.
-const SNAP_DISTANCE_CELLS: f64 = 1.0;
-const SNAP_DEPTH_CELLS: f64 = 0.3;
 
 /// Window of the plane and its mapping to the picture.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +92,9 @@ pub(crate) fn picture(
         strokes(&mut canvas, &walls, thick * 1.2, &linear_from_srgb(0x0055_5f69));
     }
     // The solids are drawn over the liquid, whose wetted vertices lie below the solids' surfaces.
-    let outline = window.segments(&snapped_to_solids(&frame.liquid, frame, window.dx));
+    let mut sunk = frame.clone();
+    window.dx.into_iter().for_each(|dx| wetted::sink::<2>(&mut sunk, &Depths::of_drawing(dx)));
+    let outline = window.segments(&sunk.liquid);
     let [top, bottom, edge] = fill_and_edge_colors(set.liquid, [0x0062_b0e8, 0x0023_74bf, 0x0010_4b86]);
     fill(&mut canvas, &outline, &top, &bottom);
     strokes(&mut canvas, &outline, thick, &edge);
@@ -130,31 +127,6 @@ fn fill_and_edge_colors(given: Option<u32>, usual: [u32; 3]) -> [V3; 3] {
     given.map_or(usual.map(linear_from_srgb), |color| {
         [1.0, 0.75, 0.35].map(|part| linear_from_srgb(color) * part)
     })
-}
-
-/// The liquid with its wetted vertices moved slightly below the surface of the closest solid.
-fn snapped_to_solids(liquid: &PlyMesh, frame: &Frame, dx: Option<f64>) -> PlyMesh {
-    let mut out = liquid.clone();
-    let (Some(dx), Some(kinds)) = (dx, liquid.scalars.get("kind")) else { return out };
-    let surface = |mesh: &PlyMesh| SurfaceMesh::<2> {
-        positions: mesh.positions.iter().map(|p| Vector::<2>::new(p[0], p[1])).collect(),
-        facets: mesh.edges.clone(),
-    };
-    let solids: Vec<SurfaceMesh<2>> = frame.solids.values().map(surface).collect();
-    let trees: Vec<FacetBvh<2>> = solids.iter().map(FacetBvh::new).collect();
-    for (point, _) in out.positions.iter_mut().zip(kinds).filter(|(_, kind)| **kind > 0.0) {
-        let x = Vector::<2>::new(point[0], point[1]);
-        let near = trees
-            .iter()
-            .zip(&solids)
-            .filter_map(|(tree, mesh)| Some((tree.closest_point(&x, SNAP_DISTANCE_CELLS * dx)?, mesh)));
-        let nearest = near.min_by(|a, b| a.0.distance_squared.total_cmp(&b.0.distance_squared));
-        let Some((at, mesh)) = nearest else { continue };
-        let out = mesh.area_vector(at.facet as usize).try_normalize(0.0).unwrap_or_else(Vector::zeros);
-        let below = at.point - out * (SNAP_DEPTH_CELLS * dx);
-        (point[0], point[1]) = (below[0], below[1]);
-    }
-    out
 }
 
 /// Fills an outline with a vertical gradient from `top` to `bottom`.

@@ -8,6 +8,7 @@ use super::plan::SweepFolder;
 use super::runner::Runner;
 use crate::args::SceneArgs;
 use crate::failure::{Failure, Result, USAGE};
+use crate::progress::format_wall_time;
 use crate::scenes;
 use meniscus_scene::estimate::check::check;
 use meniscus_scene::file::Scene;
@@ -60,11 +61,8 @@ impl Budget {
                 Failure::new(USAGE, format!("{} cases take longer than the budget on any grid", self.cases));
             failure.help("give more time, fewer cases, or a shorter output.duration")
         })?;
-        eprintln!(
-            "budget: {cells} cells along the longest side; {} cases take roughly {:.2} h",
-            self.cases,
-            seconds / 3600.0
-        );
+        let time = format_wall_time(seconds);
+        eprintln!("budget: {cells} cells along the longest side; {} cases take roughly {time}", self.cases);
         Ok(cells as u32)
     }
 

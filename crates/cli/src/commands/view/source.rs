@@ -2,7 +2,7 @@
 //! files change.
 
 use crate::args::{SceneArgs, ViewArgs};
-use crate::failure::{Failure, OUTPUT, Result};
+use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use crate::scenes;
 use meniscus_scene::estimate::check::check;
 use meniscus_scene::output::Folder;
@@ -59,10 +59,21 @@ impl Source {
     /// What the arguments ask for.
     ///
     /// # Errors
-    /// A failure of status 4 for a folder that does not exist; a wrong scene is shown, not refused.
+    /// A failure of status 4 for what does not exist, 2 for settings of a run; a wrong scene is shown, not refused.
     pub fn new(args: &ViewArgs) -> Result<Self> {
         let path = Path::new(&args.scene.scene);
         let over = args.with.as_ref().map(|dir| folder(dir)).transpose()?;
+        if path.is_dir() && (!args.scene.set.is_empty() || args.scene.quality.is_some()) {
+            let failure = Failure::new(
+                USAGE,
+                format!("`{}` is a run, which --set and --quality do not change", path.display()),
+            );
+            return Err(failure.help("leave them out, or give the scene"));
+        }
+        if !path.exists() {
+            // A built-in scene; or the error of what is neither.
+            scenes::load(&args.scene, &[])?;
+        }
         let preview = (!path.is_dir()).then(|| Preview::new(&args.scene)).transpose()?;
         let first = preview.as_ref().map_or(path, |preview| &preview.folder).to_path_buf();
         let run = |dir: PathBuf, number: usize| (dir.clone(), LiveRun::new(&dir, &format!("mesh/{number}")));

@@ -7,8 +7,9 @@ use crate::folder::{Bounds, Frame, V3};
 use crate::render::legend::ColorMapping;
 use crate::render::setup::RenderSetup;
 use crate::render::{RenderOptions, Style};
+use crate::wetted::{Depths, move_below};
+use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_numerics::mesh::ply::PlyMesh;
-use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 
 /// Height of the drawn ground. It lies below the domain's floor, so that rays hit the bottom of the liquid first.
 const GROUND_HEIGHT: f64 = -2e-4;
@@ -19,12 +20,6 @@ const LIQUID_TIE_BREAK: f64 = 1e-5;
 /// Half width of the contact line, in typical widths of the liquid, and its lower bound in pixels.
 const LINE_RADIUS: f64 = 0.02;
 const MIN_LINE_RADIUS_PIXELS: f64 = 1.1;
-/// Largest distance from a solid, in cells, of wetted vertices and of their neighbours that are snapped.
-const SNAP_DISTANCE_CELLS: f64 = 1.0;
-const NEIGHBOUR_SNAP_DISTANCE_CELLS: f64 = 0.6;
-/// Depth of snapped vertices below the solid's surface, in cells.
-const SNAP_DEPTH_CELLS: f64 = 0.05;
-
 /// Smallest transmittance of a tinted liquid per typical width.
 const MIN_TRANSMITTANCE: f64 = 0.02;
 
@@ -77,7 +72,9 @@ impl<'a> Scene<'a> {
             solids.push(TriMesh::new(&points, &mesh.faces, &[], &tint, 0.8));
             surfaces.push(SurfaceMesh { positions: points, facets: mesh.faces.clone() });
         }
-        snap_to_solids(&mut points, &frame.liquid.faces, &wetted, &surfaces, setup.dx.unwrap_or(0.0));
+        // A gap between the two meshes would appear as a bright seam around the drop's foot.
+        let depths = Depths::of_picture(setup.dx.unwrap_or(0.0));
+        move_below(&mut points, &frame.liquid.faces, &wetted, &surfaces, &depths);
         // The line stays visible at any distance of the camera.
         let thinnest =
             MIN_LINE_RADIUS_PIXELS * setup.view.pixel_angle() * (bounds.center() - setup.view.eye).norm();
@@ -156,30 +153,4 @@ fn tint(mesh: &PlyMesh) -> Vec<f64> {
     let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
     let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     angles.iter().map(|angle| (high - angle) / (high - low).max(1e-9)).collect()
-}
-
-/// Moves wetted vertices of the liquid, and their neighbours, slightly below the surface of the closest solid. The two meshes
-/// match only to a fraction of a cell, and a gap would appear as a bright seam around the drop's foot.
-fn snap_to_solids(
-    points: &mut [V3],
-    faces: &[[u32; 3]],
-    wetted: &[bool],
-    solids: &[SurfaceMesh<3>],
-    dx: f64,
-) {
-    let mut reach: Vec<f64> =
-        wetted.iter().map(|&wet| if wet { SNAP_DISTANCE_CELLS * dx } else { 0.0 }).collect();
-    for face in faces.iter().filter(|f| f.iter().any(|&v| wetted[v as usize])) {
-        face.iter()
-            .for_each(|&v| reach[v as usize] = reach[v as usize].max(NEIGHBOUR_SNAP_DISTANCE_CELLS * dx));
-    }
-    let trees: Vec<FacetBvh<3>> = solids.iter().map(FacetBvh::new).collect();
-    for (point, reach) in points.iter_mut().zip(reach).filter(|(_, reach)| *reach > 0.0) {
-        let closest = |(tree, mesh): (&FacetBvh<3>, _)| Some((tree.closest_point(point, reach)?, mesh));
-        let near = trees.iter().zip(solids).filter_map(closest);
-        let nearest = near.min_by(|a, b| a.0.distance_squared.total_cmp(&b.0.distance_squared));
-        let Some((at, mesh)) = nearest else { continue };
-        let out = mesh.area_vector(at.facet as usize).try_normalize(0.0).unwrap_or_else(V3::zeros);
-        *point = at.point - out * (SNAP_DEPTH_CELLS * dx);
-    }
 }
