@@ -193,7 +193,7 @@ fn a_budget_chooses_the_resolution() {
     assert_eq!(cells("3h", "less"), less, "a sweep keeps its resolution");
     let refusal =
         words(&place.expect("sweep fall.toml --vary liquid.gravity.1=-1,-4m/s^2 --budget 0.000001s", 2));
-    assert!(refusal.contains("longer than the budget"), "{refusal}");
+    assert!(refusal.contains("longer than the budget with 16 cells"), "{refusal}");
 }
 
 #[test]

@@ -114,6 +114,10 @@ impl LargestValues {
     /// # Errors
     /// A frame that cannot be read.
     pub fn update(&mut self, folder: &RunFolder) -> Result<()> {
+        if folder.frame_numbers.last() < self.last.as_ref() {
+            // Another run has begun in the folder.
+            *self = Self::default();
+        }
         let new: Vec<u32> =
             folder.frame_numbers.iter().copied().filter(|n| self.last.is_none_or(|last| *n > last)).collect();
         for number in RunFolder::evenly_spaced(&new, SAMPLED_FRAMES) {

@@ -9,17 +9,21 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::ply::PlyMesh;
 use meniscus_numerics::mesh::{FacetBvh, SurfaceMesh};
 
-/// Largest distance from a solid, in cells, of wetted vertices and of their neighbours that are moved.
+/// Largest distance from a solid, in cells, of wetted vertices that are moved. A vertex lies in the cell that the surface crosses; beside a
+/// plate of 1.5 cells, which the liquid meets as if it had 2.5, it is half a cell away.
 const REACH_CELLS: f64 = 1.0;
+/// The same of their neighbours on the free surface, in cells. Chosen by looking at pictures.
 const NEIGHBOUR_REACH_CELLS: f64 = 0.6;
-/// Depth of moved vertices below the solid's surface, in cells, where the solid hides them: enough against rounding.
+/// Depth of moved vertices below the solid's surface in our own pictures in 3D, in cells: enough against rounding. Chosen by looking at
+/// pictures.
 const SEAM_DEPTH_CELLS: f64 = 0.05;
-/// The same in 2D, in cells.
+/// The same in 2D, in cells; it also hides half of the width of the liquid's outline. Chosen by looking at pictures.
 const DRAWN_DEPTH_CELLS: f64 = 0.3;
-/// Depth of wetted vertices for other renderers, in cells: more than the two surfaces differ, and less than half of the thinnest solid.
+/// Depth of wetted vertices for other renderers, in cells: at most half of the thinnest solid, which has a cell if it is rigid, and more
+/// than the 0.35 cells by which the two surfaces differed in a run of `drop-on-soft-plate` with an early version.
 const SUNK_DEPTH_CELLS: f64 = 0.5;
 
-/// What becomes of the wetted faces of the liquid's surface.
+/// Treatment of the wetted faces of the liquid's surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WettedFaces {
     /// They stay where they are.

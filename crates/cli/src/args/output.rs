@@ -74,7 +74,7 @@ pub struct PageArgs {
 /// `meniscus view`.
 #[derive(Debug, Args)]
 pub struct ViewArgs {
-    /// What is shown: the output folder of a run, or a scene.
+    /// The output folder of a run, or the scene, that the page shows.
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Output folder of another run, drawn over the first.
@@ -173,12 +173,12 @@ pub struct ExportArgs {
     /// Turn the frames so that this axis points up. Default: z in 3D, y in 2D, as in the scene. (GLB files always have y up.)
     #[arg(long, value_enum)]
     pub up: Option<UpAxis>,
-    /// Faces of the liquid's surface that lie on a solid.
+    /// Treatment of the faces of the liquid's surface that lie on a solid.
     #[arg(long, value_enum, default_value_t = Wetted::Keep)]
     pub wetted: Wetted,
 }
 
-/// What becomes of the faces of the liquid's surface that lie on a solid.
+/// Treatment of the faces of the liquid's surface that lie on a solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Wetted {
     /// They are written as they are.

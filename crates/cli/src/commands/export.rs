@@ -77,7 +77,7 @@ fn read(run: &RunFolder, number: u32) -> Result<StoredFrame> {
     run.frame(number).map_err(fail)
 }
 
-/// What becomes of wetted faces, and the size of a cell, which moving them needs.
+/// Returns the treatment of wetted faces and the size of a cell, m, in terms of which they are moved.
 fn wetted_faces(run: &RunFolder, wetted: Wetted) -> Result<(WettedFaces, f64)> {
     let faces = match wetted {
         Wetted::Keep => WettedFaces::Keep,

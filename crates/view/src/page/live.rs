@@ -1,6 +1,6 @@
 //! The page of a run that a server shows: the same bundle, whose meshes are asked for one at a time, while the run may go on.
 
-use super::{PageFrame, Payload, bundle_with, ordinal, packed_mesh, page_shades};
+use super::{PageFrame, Payload, bundle_with, packed_mesh, series_note};
 use crate::color_map::{LargestValues, ScalarRange, ScalarRanges};
 use crate::error::{Result, ViewError};
 use crate::folder::RunFolder;
@@ -39,26 +39,11 @@ impl LiveRun {
         self.largest.update(&folder)?;
         let ranges = self.largest.ranges();
         let series = TimeSeries::load_for_plots(&self.dir.join("timeseries.csv"))?;
-        let notes = match series.stride {
-            0 | 1 => Vec::new(),
-            n => vec![format!("The plots show every {} of {} steps.", ordinal(n), series.rows)],
-        };
+        let notes = series_note(&series).into_iter().collect();
+        let scene = std::fs::read_to_string(self.dir.join("scene.toml")).unwrap_or_default();
         let frames = folder.frame_numbers.iter().map(|n| self.frame(&folder, *n, &ranges));
-        let payload = Payload {
-            format: 1,
-            name: folder.name(),
-            version: env!("CARGO_PKG_VERSION"),
-            dimension: folder.dimension,
-            domain: folder.domain,
-            dx: folder.dx,
-            notes,
-            shades: page_shades(&ranges),
-            frames: frames.collect::<Result<_>>()?,
-            meshes: Vec::new(),
-            series,
-            summary: &folder.summary,
-            scene: std::fs::read_to_string(self.dir.join("scene.toml")).unwrap_or_default(),
-        };
+        let frames = frames.collect::<Result<_>>()?;
+        let payload = Payload { notes, frames, ..Payload::without_frames(&folder, &ranges, series, scene) };
         let mut data =
             serde_json::to_value(payload).map_err(|e| ViewError::content(&self.dir, e.to_string()))?;
         data["folder"] = self.dir.display().to_string().into();

@@ -110,6 +110,32 @@ struct Payload<'a, M> {
     scene: String,
 }
 
+impl<'a, M> Payload<'a, M> {
+    /// The data of a run, with no frames and no notes yet.
+    fn without_frames(
+        folder: &'a RunFolder,
+        ranges: &ScalarRanges,
+        series: TimeSeries,
+        scene: String,
+    ) -> Self {
+        Self {
+            format: 1,
+            name: folder.name(),
+            version: env!("CARGO_PKG_VERSION"),
+            dimension: folder.dimension,
+            domain: folder.domain,
+            dx: folder.dx,
+            notes: Vec::new(),
+            shades: page_shades(ranges),
+            frames: Vec::new(),
+            meshes: Vec::new(),
+            series,
+            summary: &folder.summary,
+            scene,
+        }
+    }
+}
+
 /// Writes the page of the output folder `dir` and returns its path.
 pub fn write_page(dir: &Path, options: &PageOptions) -> Result<PathBuf> {
     make_page(dir, options).map(|report| report.path)
@@ -131,21 +157,9 @@ pub fn make_page(dir: &Path, options: &PageOptions) -> Result<PageReport> {
     let skip = (1..packed.len()).find(|&k| size(&packed, k) <= budget).unwrap_or(packed.len().max(1));
     let kept: Vec<&PackedFrame> = packed.iter().step_by(skip).collect();
     let (frames, meshes) = deduplicate_meshes(&kept);
-    let payload = Payload {
-        format: 1,
-        name: folder.name(),
-        version: env!("CARGO_PKG_VERSION"),
-        dimension: folder.dimension,
-        domain: folder.domain,
-        dx: folder.dx,
-        notes: notes(&folder, options, asked, skip, &series),
-        shades: page_shades(&ranges),
-        frames,
-        meshes,
-        series,
-        summary: &folder.summary,
-        scene,
-    };
+    let notes = notes(&folder, options, asked, skip, &series);
+    let payload =
+        Payload { notes, frames, meshes, ..Payload::without_frames(&folder, &ranges, series, scene) };
     let path = options.to.clone().unwrap_or_else(|| dir.join("page").join("index.html"));
     let html = insert_data(&payload, &path)?;
     if let Some(parent) = path.parent() {
@@ -224,11 +238,14 @@ fn notes(
         let why = if skip > 1 { format!(" to stay below {} MB", options.max_mb) } else { String::new() };
         notes.push(format!("{kept} of {all} frames are shown (every {}{why}).", ordinal(asked * skip)));
     }
-    if series.stride > 1 {
-        let nth = ordinal(series.stride);
-        notes.push(format!("The plots show every {nth} of {} steps.", series.rows));
-    }
+    notes.extend(series_note(series));
     notes
+}
+
+/// A note on rows of the time series that the plots leave out.
+fn series_note(series: &TimeSeries) -> Option<String> {
+    let note = || format!("The plots show every {} of {} steps.", ordinal(series.stride), series.rows);
+    (series.stride > 1).then(note)
 }
 
 fn ordinal(n: usize) -> String {

@@ -1,6 +1,7 @@
 //! `--budget`: the resolution with which a sweep takes a given time.
 //!
-//! The time of a case is the estimate of `meniscus check`, which is rough: within a factor of two or three. It grows about as N^(D + 3/2)
+//! The time of a case is the estimate of `meniscus check`, which is rough: runs with soft solids were found to take 7 to 10 times as long,
+//! liquid with rigid solids up to three times. It grows about as N^(D + 3/2)
 //! for N cells along the longest side: N^D cells, and steps by the capillary limit. By this law N is corrected until the estimate of the
 //! first and the last case agrees with the budget. A folder that holds a sweep keeps its resolution.
 
@@ -13,9 +14,9 @@ use crate::scenes;
 use meniscus_scene::estimate::check::check;
 use meniscus_scene::file::Scene;
 
-/// Corrections of the resolution; two are enough where the law holds.
+/// Largest number of corrections of the resolution; chosen without experiment.
 const CORRECTIONS: usize = 4;
-/// Fewest and most cells along the longest side that are chosen.
+/// Fewest and most cells along the longest side that are chosen; without experiment.
 const CELLS: [f64; 2] = [16.0, 1024.0];
 /// Least distance from the budget, relative, that is worth a correction: the estimate itself is rougher.
 const CLOSE: f64 = 0.1;
@@ -34,7 +35,7 @@ impl Budget {
     /// Cells along the longest side for the budget; `ends` are the settings of the first and the last case.
     ///
     /// # Errors
-    /// That of a scene; a failure of status 2 if not even the coarsest grid is fast enough.
+    /// The error of a scene that cannot be loaded; a failure of status 2 if all grids that were tried are too slow.
     pub fn cells(&self, args: &SceneArgs, folder: &SweepFolder, ends: &[Vec<String>; 2]) -> Result<u32> {
         if folder.holds_a_plan() {
             return Ok(cells_of(&folder.load_scene(0)?));
@@ -57,8 +58,10 @@ impl Budget {
             cells = next;
         }
         let (cells, seconds) = best.ok_or_else(|| {
-            let failure =
-                Failure::new(USAGE, format!("{} cases take longer than the budget on any grid", self.cases));
+            let failure = Failure::new(
+                USAGE,
+                format!("{} cases take longer than the budget with {cells} cells", self.cases),
+            );
             failure.help("give more time, fewer cases, or a shorter output.duration")
         })?;
         let time = format_wall_time(seconds);

@@ -16,7 +16,7 @@ pub const THREADS: usize = 4;
 /// Longest wait for a request before a look at whether to stop.
 const WAIT: Duration = Duration::from_millis(200);
 
-/// What the page may load.
+/// The page's content security policy: it may load nothing but its own scripts and styles and the data of this server.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
                       img-src data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'";
 

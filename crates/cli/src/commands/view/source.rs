@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-/// What the server shows at a moment.
+/// The data from which the server answers until the files change.
 #[derive(Clone)]
 pub struct Shown {
     /// A number that changes with the content.

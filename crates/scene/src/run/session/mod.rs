@@ -237,7 +237,8 @@ impl<const D: usize> Session<D> {
             Ok(_) => true,
             Err(error) => error.is_solver_failure() && self.state_is_finite(),
         };
-        let closed = self.close(&reason, is_state_good, observer);
+        let reason = if left.is_ok() { Ok(&*reason) } else { Err(&*reason) };
+        let closed = self.close(reason, is_state_good, observer);
         match (left, closed) {
             (Err(error), _) => Err(self.with_checkpoint(error)),
             (Ok(_), Err(error)) => Err(self.with_checkpoint(error)),

@@ -89,7 +89,7 @@ impl<const D: usize> Session<D> {
     /// Writes the remaining output, after a failure as far as possible. The state is the last good one unless it is not finite.
     pub(super) fn close(
         &mut self,
-        reason: &str,
+        left: Result<&str, &str>,
         is_state_good: bool,
         observer: &mut dyn Observer,
     ) -> Result<Summary, RunError> {
@@ -97,7 +97,10 @@ impl<const D: usize> Session<D> {
         let saved = saved.and(self.sync_series());
         // A run whose last files are not whole is not finished: a resumed one writes them.
         let failure = saved.as_ref().err().map(|error| format!("failed: {error}"));
-        let reason = failure.as_deref().filter(|_| !reason.starts_with("failed")).unwrap_or(reason);
+        let reason = match (left, &failure) {
+            (Ok(_), Some(failure)) => failure,
+            (Ok(reason) | Err(reason), _) => reason,
+        };
         self.statistics.wall_seconds = self.seconds_before + self.clock.elapsed().as_secs_f64();
         let summary = self.summary(reason);
         let told = summary.write(&self.folder.summary());
