@@ -34,6 +34,10 @@ def check_ply(path, ply):
     same(path, loaded.vertices, ply.points)
     if len(ply.triangles):
         same(path, loaded.faces, ply.triangles)
+        normals = ply.vectors(["nx", "ny", "nz"])
+        assert np.allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-6), path
+        a, b, c = (ply.points[ply.triangles[:, k]] for k in range(3))
+        assert (normals[ply.triangles[:, 0]] * np.cross(b - a, c - a)).sum() > 0, path
 
 
 def cells_of(array):
@@ -150,6 +154,7 @@ def check_vtu(path, surface):
     at = [place[tuple(x)] for x in surface.points]
     for axis, name in enumerate(["ux", "uy", "uz"]):
         same(f"{path} {name}", data["displacement"][at, axis], surface.attributes[name])
+        same(f"{path} {name}", data["velocity"][at, axis], surface.attributes[name.replace("u", "v")])
     same(f"{path} strain", mesh.point_data["strain"][at], surface.attributes["strain"])
     corners = mesh.points[mesh.cells[0].data]
     assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0).all(), f"{path}: inverted elements"

@@ -49,5 +49,9 @@ class Ply:
         self.is_points = not len(self.edges) and not faces
 
     def data(self):
-        """Attributes without those that tell the edges."""
-        return {name: values for name, values in self.attributes.items() if name.split("_")[0] != "next"}
+        """Attributes without those that tell the edges and the normals."""
+        others = ("next", "nx", "ny", "nz")
+        return {name: values for name, values in self.attributes.items() if name.split("_")[0] not in others}
+
+    def vectors(self, names):
+        return np.stack([self.attributes[name] for name in names], axis=1)

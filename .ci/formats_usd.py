@@ -51,7 +51,7 @@ def check_curves(what, prim, ply, n):
     return order
 
 
-def check_prim(what, prim, ply, n):
+def check_prim(what, prim, ply, n, interval):
     kind = prim.GetTypeName()
     if kind == "Mesh":
         order = check_mesh(what, prim, ply, n)
@@ -61,6 +61,13 @@ def check_prim(what, prim, ply, n):
         assert kind == "Points", (what, kind)
         order = np.arange(len(ply.points))
     same(f"{what} points", np.array(prim.GetAttribute("points").Get(n)).reshape(-1, 3), single(ply.points)[order])
+    velocities = prim.GetAttribute("velocities").Get(n)
+    assert (velocities is not None) == ("vx" in ply.attributes), what
+    if velocities is not None:
+        # Units a second of playback, at 24 frames a second.
+        expected = ply.vectors(["vx", "vy", "vz"])[order] * interval * 24
+        found = np.array(velocities).reshape(-1, 3)
+        assert np.allclose(found, expected, rtol=1e-6, atol=1e-12), what
     api = UsdGeom.PrimvarsAPI(prim)
     primvars = {p.GetPrimvarName(): p for p in api.GetPrimvarsWithAuthoredValues()}
     primvars.pop("displayColor")
@@ -108,6 +115,7 @@ def check_validity(stage):
 
 def check_usd(folder, stored, times, dimension):
     numbers = sorted(times)
+    interval = times[numbers[-1]] / int(numbers[-1])
     assert sorted(p.name for p in folder.glob("*.usda")) == [f"frame_{n}.usda" for n in numbers] + ["run.usda"]
     run = Usd.Stage.Open(str(folder / "run.usda"))
     root = check_stage(run, int(numbers[0]), int(numbers[-1]), dimension)
@@ -128,7 +136,7 @@ def check_usd(folder, stored, times, dimension):
                 if ply is None:
                     same(what, len(prim.GetAttribute("points").Get(n)), 0)
                 else:
-                    check_prim(what, prim, ply, n)
+                    check_prim(what, prim, ply, n, interval)
         # A frame holds until the next one.
         for name in sorted(names):
             points = root.GetChild(identifier(name)).GetAttribute("points")

@@ -124,6 +124,8 @@ impl Mesh {
         let frame = &self.frame;
         let content = FrameContent {
             time: frame.time,
+            interval: frame.interval,
+            unit: frame.unit,
             up_axis: frame.up_axis,
             liquid: if self.part == Part::Liquid { frame.liquid.clone() } else { FrameMesh::default() },
             solids: match self.part {

@@ -1,4 +1,9 @@
-//! Lowest modes of vibration about rest, by subspace iteration (Bathe & Wilson 1972).
+//! Lowest elastic modes of vibration about rest, by subspace iteration (Bathe & Wilson 1972).
+//!
+//! The stiffness is `K̂`, that of linear elasticity, to which damping is proportional. The tension of the surface is left out: once
+//! the solid has relaxed, the stress that it causes within balances it, and to first order the frequencies of a beam are those
+//! without tension (Gurtin, Markenscoff & Thurston 1976). The tangent at the rest mesh, which has not relaxed, would contain the
+//! tension alone and act like that of a taut string.
 
 use crate::linalg::Inverse;
 use crate::term::TangentWeights;
@@ -41,10 +46,8 @@ pub fn lowest_modes_to_tolerance<const D: usize>(
     count: usize,
     tolerance: f64,
 ) -> Result<Vec<Mode<D>>, ElasticError> {
-    let stiffness = body.tangent(
-        &body.rest_mesh.positions,
-        TangentWeights { stiffness: 1.0, project_psd: true, viscosity: 0.0 },
-    );
+    let elastic = TangentWeights { stiffness: 0.0, project_psd: true, viscosity: 1.0 };
+    let stiffness = body.tangent(&body.rest_mesh.positions, elastic);
     let rigid = rigid_motions(body);
     let inverse = shifted_inverse(body, &stiffness, !rigid.is_empty())?;
     let wanted = (count + GUARD_VECTORS).min(body.masses.len() * D);

@@ -28,7 +28,8 @@ pub struct RunFolder {
     pub domain: Option<[f64; 3]>,
     /// Cell size, m, if the summary has it.
     pub dx: Option<f64>,
-    frame_interval: Option<f64>,
+    /// Time from one frame to the next, s, if the summary has it.
+    pub frame_interval: Option<f64>,
 }
 
 /// The meshes of one frame.

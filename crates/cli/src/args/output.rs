@@ -48,10 +48,10 @@ pub struct MeasureArgs {
     /// The output folder.
     pub dir: PathBuf,
     /// Measure the frame nearest to this time, such as "20 ms". Default: the last frame.
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub at: Option<String>,
     /// Average over this time before the frame, such as "20 ms". Default: a tenth of the simulated time.
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub window: Option<String>,
     /// Print JSON.
     #[arg(long)]
@@ -122,6 +122,9 @@ pub struct RenderArgs {
     /// Colour of the background, such as ffffff.
     #[arg(long, value_name = "RRGGBB", value_parser = hex_color)]
     pub background: Option<u32>,
+    /// Make pictures without a background, for compositing: PNG with an alpha channel. No film is made.
+    #[arg(long, conflicts_with = "background")]
+    pub transparent: bool,
     /// Colour of the liquid (with the style glass: its tint).
     #[arg(long, value_name = "RRGGBB", value_parser = hex_color)]
     pub liquid_color: Option<u32>,

@@ -35,7 +35,7 @@ pub struct RunArgs {
     #[arg(long, conflicts_with = "force")]
     pub resume: bool,
     /// Simulate until this time, such as "0.5 s", instead of the scene's duration.
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub until: Option<String>,
     /// Write only the frames first:last, and end the run with the last of them.
     #[arg(long, value_name = "A:B", value_parser = frame_range)]

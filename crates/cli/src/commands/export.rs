@@ -107,6 +107,8 @@ fn rebuilt(run: &RunFolder, stored: StoredFrame) -> Result<Frame> {
     let in_order = in_order.filter_map(|name| solids.remove(&name).map(|mesh| (name, FrameMesh::from(mesh))));
     Ok(Frame {
         time,
+        interval: run.frame_interval,
+        unit: 1.0,
         up_axis: run.dimension - 1,
         liquid: stored.liquid.into(),
         solids: in_order.collect(),

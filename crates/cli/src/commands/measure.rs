@@ -84,8 +84,9 @@ fn drops(m: &Measurement) -> String {
         let first = [(i + 1).to_string(), format!("{:.4e} {power}", drop.volume)];
         let blank = [String::new(), String::new()];
         let contacts = drop.contacts.iter().enumerate();
-        let lines =
-            contacts.map(|(k, c)| [if k == 0 { &first } else { &blank }.to_vec(), contact(c, m)].concat());
+        let lines = contacts.map(|(k, c)| {
+            [if k == 0 { &first } else { &blank }.to_vec(), contact(c, drop.centroid[0], m)].concat()
+        });
         rows.extend(lines);
         if drop.contacts.is_empty() {
             rows.push([first.to_vec(), vec!["nothing".into()]].concat());
@@ -161,7 +162,8 @@ fn deformation_row(name: &str, s: &SoftMeasure, m: &Measurement) -> Vec<String> 
     ]
 }
 
-fn contact(c: &ContactMeasure, m: &Measurement) -> Vec<String> {
+/// The row of a drop with its centroid at `middle`, m, along the first axis, on a solid.
+fn contact(c: &ContactMeasure, middle: f64, m: &Measurement) -> Vec<String> {
     let [angle, shape, residual] = c.angle.as_ref().map_or([NONE; 3].map(String::from), |a| {
         let shape = match a.shape {
             FitShape::Circle => "circle",
@@ -190,7 +192,14 @@ fn contact(c: &ContactMeasure, m: &Measurement) -> Vec<String> {
     let places = c.local_angle.as_ref().map(|l| &l.places).or_else(|| c.angle.as_ref().map(|a| &a.places));
     let end =
         |p: Option<&AngleAt>| p.map_or(NONE.into(), |p| format!("{:.2}° at {}", p.angle, vector(&p.at, "m")));
-    let ends = [places.and_then(|p| p.first()), places.and_then(|p| p.last())].map(end);
+    let ends = match places.map_or(&[][..], |places| places) {
+        [] => [None; 2],
+        // A single point is on one side of the drop.
+        [only] if only.at[0] <= middle => [Some(only), None],
+        [only] => [None, Some(only)],
+        [first, .., last] => [Some(first), Some(last)],
+    };
+    let ends = ends.map(end);
     let last = [c.base_radius.map_or(NONE.into(), |r| prefixed(r, "m")), prefixed(c.height, "m"), area];
     [&first[..], if m.dimension == 2 { &ends[..] } else { &[] }, &last[..]].concat()
 }

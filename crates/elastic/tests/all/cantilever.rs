@@ -1,7 +1,7 @@
 //! Cantilevers against beam theory, 2D (plane strain) and 3D.
 
 use crate::lattice::{clamped, quadratic, rubber};
-use meniscus_elastic::{ConstitutiveLaw, Elastic, ElementOrder, lowest_modes};
+use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticState, ElementOrder, SurfaceTension, lowest_modes};
 use meniscus_numerics::Vector;
 
 /// The wave numbers of a clamped beam over its length.
@@ -132,4 +132,45 @@ fn large_deflection_in_3d() {
     let (drop, along) = tip(&body, 5.0 * rigid / (DENSITY * THICK * LENGTH.powi(3)), 1e-3);
     println!("bar of 2 layers, load 5: drop {:.4}, place {:.4}", drop / 0.495905, along / 0.846657);
     assert!((drop / 0.495905 - 1.0).abs() < 0.03 && (along / 0.846657 - 1.0).abs() < 0.02);
+}
+
+/// A thin beam with the tension `2 γ` of both surfaces at `2 γ L² = 3 B`, N/m.
+fn tense(damping_ratio: f64) -> Elastic<2> {
+    let bending = YOUNG / (1.0 - 0.3 * 0.3) * THICK.powi(3) / 12.0;
+    let mesh = quadratic([40, 2], [LENGTH, THICK]);
+    let tension = SurfaceTension::new(&mesh, 1.5 * bending / LENGTH.powi(2));
+    let mut description = clamped(mesh, DENSITY, rubber(YOUNG, 0.3));
+    description.damping_ratio = damping_ratio;
+    Elastic::with_terms(description, vec![Box::new(tension)]).unwrap()
+}
+
+#[test]
+fn surface_tension_changes_no_frequency() {
+    // Gurtin, Markenscoff & Thurston 1976. A taut string's tension would raise the lowest frequency by more than a third.
+    let mode = lowest_modes(&tense(0.0), 1).unwrap()[0].frequency;
+    let without = frequencies([40, 2], [LENGTH, THICK], 0.3)[0];
+    assert!((mode / without - 1.0).abs() < 1e-6, "{}", mode / without);
+    // The beam comes to rest under a load, then swings freely about its relaxed shape.
+    let (slow, free) = (tense(0.7), tense(0.0));
+    let load: Vec<Vector<2>> = free.masses().iter().map(|m| Vector::<2>::new(0.0, -0.1 * m)).collect();
+    let none = vec![Vector::zeros(); load.len()];
+    let period = std::f64::consts::TAU / mode;
+    let mut state = slow.rest_state(period / 20.0);
+    (0..400).for_each(|_| slow.step(&mut state, period / 20.0, &load).unwrap());
+    let end =
+        (0..load.len()).max_by(|a, b| state.positions[*a][0].total_cmp(&state.positions[*b][0])).unwrap();
+    let swing = |state: &mut ElasticState<2>| {
+        free.step(state, period / 200.0, &none).unwrap();
+        state.positions[end][1]
+    };
+    let heights: Vec<f64> = (0..2000).map(|_| swing(&mut state)).collect();
+    let middle = 0.5
+        * heights.iter().fold([f64::MAX, f64::MIN], |[l, h], y| [l.min(*y), h.max(*y)]).iter().sum::<f64>();
+    let rises: Vec<f64> = (1..heights.len())
+        .filter(|k| heights[k - 1] < middle && heights[*k] >= middle)
+        .map(|k| k as f64 - (heights[k] - middle) / (heights[k] - heights[k - 1]))
+        .collect();
+    let steps = (rises[rises.len() - 1] - rises[0]) / (rises.len() - 1) as f64;
+    println!("period of the swing over that of the mode: {}", steps / 200.0);
+    assert!((steps / 200.0 - 1.0).abs() < 0.02);
 }

@@ -71,10 +71,14 @@ impl AnySimulation {
     /// # Errors
     /// [`SceneError`] for a shape that cannot be made.
     pub fn of(scene: &Scene) -> Result<Self, SceneError> {
-        let solids = names_and_mesh_edges(scene);
+        let (solids, interval) = (names_and_mesh_edges(scene), scene.output.frame_interval());
         Ok(match AnySetup::of(scene)? {
-            AnySetup::D2(setup) => Self::D2(Box::new(SceneSimulation::new(setup.simulation(), &solids))),
-            AnySetup::D3(setup) => Self::D3(Box::new(SceneSimulation::new(setup.simulation(), &solids))),
+            AnySetup::D2(setup) => {
+                Self::D2(Box::new(SceneSimulation::new(setup.simulation(), &solids, interval)))
+            }
+            AnySetup::D3(setup) => {
+                Self::D3(Box::new(SceneSimulation::new(setup.simulation(), &solids, interval)))
+            }
         })
     }
 
@@ -162,8 +166,8 @@ impl AnySimulation {
 }
 
 impl<const D: usize> SceneSimulation<D> {
-    fn new(simulation: Simulation<D>, solids: &[(String, f64)]) -> Self {
-        Self { extractor: FrameExtractor::new(&simulation.model, solids), simulation }
+    fn new(simulation: Simulation<D>, solids: &[(String, f64)], interval: f64) -> Self {
+        Self { extractor: FrameExtractor::new(&simulation.model, solids, interval), simulation }
     }
 
     fn size(&self) -> SimulationSize {

@@ -14,9 +14,16 @@ use serde::Serialize;
 const SECONDS_PER_CELL: f64 = 2e-7;
 /// Core seconds per step and liquid cell.
 const SECONDS_PER_LIQUID_CELL: f64 = 4e-6;
-/// Seconds per step and byte of the factors of deformable solids, for one factorisation and some dozen solves. `fig22-plate-180` (491 MB
-/// of factors) takes 1.9 to 2.5 s a step.
-const SECONDS_PER_FACTOR_BYTE: f64 = 4.4e-9;
+/// Core seconds per step and vertex of a deformable solid, in 2D and in 3D, for the two or three iterations of Newton's method that most
+/// steps take. With [`SECONDS_PER_FACTOR_BYTE`] the steps of seven built-in scenes, from `drop-on-beam-2d` to `fig22-plate-90`, are
+/// right within a factor of two.
+const SECONDS_PER_VERTEX: [f64; 2] = [1.7e-5, 6e-5];
+/// Core seconds per step and byte of the factors of deformable solids.
+const SECONDS_PER_FACTOR_BYTE: f64 = 3e-9;
+/// Speed-up of deformable solids by more than one thread, measured with a soft plate.
+const SOLID_SPEEDUP: f64 = 1.55;
+/// Factor on the work in the liquid where a solid deforms.
+const LIQUID_FACTOR_WITH_SOLIDS: f64 = 2.0;
 /// Seconds per step and byte of the matrix of solids without factors, for some dozen iterative solves. A ball of 58,400 vertices took 32
 /// s a step.
 const SECONDS_PER_ITERATED_BYTE: f64 = 4e-7;
@@ -25,6 +32,9 @@ const SECONDS_PER_ITERATED_BYTE: f64 = 4e-7;
 const NOISE_FREE_MODULUS_RATIO: f64 = 1e4;
 /// A warning is given for fewer cells per radius of a liquid body.
 const MIN_CELLS_ACROSS: f64 = 8.0;
+/// A warning is given for fewer cells per capillary length: a puddle at 90° is √2 capillary lengths high (de Gennes, Brochard-Wyart &
+/// Quéré 2004, chapter 2), here four cells.
+const MIN_CAPILLARY_LENGTH_CELLS: f64 = 2.8;
 
 /// The report of a check; SI units, angles in degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -224,9 +234,12 @@ fn dimensionless_numbers(scene: &Scene, radius: Option<f64>, speed: f64) -> [Opt
 fn seconds_per_step(scene: &Scene, liquid_cells: f64, soft: &[SoftReport], threads: usize) -> f64 {
     let work = SECONDS_PER_CELL * scene.grid_cells() + SECONDS_PER_LIQUID_CELL * liquid_cells;
     let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
-    let solves = if soft.is_empty() { 1.0 } else { 1.0 + f64::from(scene.numerics.newton_iterations) };
-    let solving: f64 = soft.iter().map(|s| solves * per_byte(s.factorised) * s.solver_bytes).sum();
-    solves * work / (threads.max(1) as f64) + solving
+    let per_vertex = SECONDS_PER_VERTEX[scene.domain.dimension - 2];
+    let of_solid = |s: &SoftReport| per_vertex * s.vertices as f64 + per_byte(s.factorised) * s.solver_bytes;
+    let solids: f64 = soft.iter().map(of_solid).sum();
+    let factor = if soft.is_empty() { 1.0 } else { LIQUID_FACTOR_WITH_SOLIDS };
+    let speedup = if threads > 1 { SOLID_SPEEDUP } else { 1.0 };
+    factor * work / (threads.max(1) as f64) + solids / speedup
 }
 
 /// Share of the liquid that is thinner than two cells at the start. Adds warnings about it and about gaps between solids.
@@ -328,9 +341,11 @@ fn more_warnings(scene: &Scene, bodies: &[BodyReport], capillary: Option<f64>, o
             out.push(Warning { path: format!("liquid.body.{}.shape", b.index), message });
         }
     }
-    if let Some(n) = capillary.map(|c| c / scene.domain.dx).filter(|n| *n < 1.0) {
-        let message =
-            format!("the capillary length is only {n:.2} cells: the grid hardly resolves capillary effects");
+    if let Some(n) = capillary.map(|c| c / scene.domain.dx).filter(|n| *n < MIN_CAPILLARY_LENGTH_CELLS) {
+        let message = format!(
+            "the capillary length is only {n:.2} cells: a meniscus or a puddle is less than about four cells high, so the grid \
+             hardly resolves it"
+        );
         out.push(Warning { path: "tension.liquid_air".to_owned(), message });
     }
     for s in &scene.solids {

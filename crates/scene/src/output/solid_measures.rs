@@ -62,8 +62,10 @@ impl SolidMeasures {
             });
         };
         for (number, tip) in self.tips.iter().enumerate() {
-            let points = line_points_of_largest_component(simulation, line, number);
-            line_angles(&points).into_iter().for_each(&mut put);
+            let (drop, points) = line_of_largest_component(simulation, line, number).unzip();
+            let points = points.unwrap_or_default();
+            let centroid = drop.map_or(Vector::zeros(), |drop| drop.centroid);
+            line_angles(&points, &centroid).into_iter().for_each(&mut put);
             put(base_radius(&points));
             put(Some(simulation.wetted_fraction(number)));
             if let Some(tip) = tip {
@@ -104,12 +106,12 @@ fn tip_position<const D: usize>(simulation: &Simulation<D>, number: usize, tip: 
     Some(padded_to_3d(&(sum / tip.len() as f64)))
 }
 
-/// The points of the contact line on a solid that belong to the largest component with any: those in its box, widened by a cell.
-fn line_points_of_largest_component<'a, const D: usize>(
-    simulation: &Simulation<D>,
+/// The largest component that has points of the contact line on a solid, and these points: those in its box, widened by a cell.
+fn line_of_largest_component<'a, const D: usize>(
+    simulation: &'a Simulation<D>,
     line: &'a ContactLine<D>,
     number: usize,
-) -> Vec<&'a LinePoint<D>> {
+) -> Option<(&'a Component<D>, Vec<&'a LinePoint<D>>)> {
     let dx = simulation.model.grid.dx;
     let own: Vec<&LinePoint<D>> = line.points.iter().filter(|p| p.solid as usize == number).collect();
     let within = |drop: &Component<D>| -> Vec<&'a LinePoint<D>> {
@@ -118,20 +120,25 @@ fn line_points_of_largest_component<'a, const D: usize>(
         };
         own.iter().filter(holds).copied().collect()
     };
-    let drops = simulation.state.components.iter().map(|drop| (drop.volume, within(drop)));
+    let drops = simulation.state.components.iter().map(|drop| (drop, within(drop)));
     let touching = drops.filter(|(_, points)| !points.is_empty());
-    touching.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, points)| points)
+    touching.max_by(|a, b| a.0.volume.total_cmp(&b.0.volume))
 }
 
-/// 2D: the angles at the left and right outermost points (the lower and upper ones if one lies above the other). 3D: mean along the line,
-/// least and largest. Degrees; none without a line.
-fn line_angles<const D: usize>(points: &[&LinePoint<D>]) -> Vec<Option<f64>> {
+/// 2D: the angles at the left and right outermost points (the lower and upper ones if one lies above the other); a single point is
+/// on one side of the drop's centroid. 3D: mean along the line, least and largest. Degrees; none without a line.
+fn line_angles<const D: usize>(points: &[&LinePoint<D>], centroid: &Vector<D>) -> Vec<Option<f64>> {
     if D == 2 {
-        let before = |a: &&&LinePoint<D>, b: &&&LinePoint<D>| {
-            let separation = b.at - a.at;
+        let order = |a: &Vector<D>, b: &Vector<D>| {
+            let separation = b - a;
             let axis = if separation[0].abs() > VERTICAL_TOLERANCE * separation[1].abs() { 0 } else { 1 };
-            a.at[axis].total_cmp(&b.at[axis])
+            a[axis].total_cmp(&b[axis])
         };
+        if let [only] = points {
+            let angle = Some(only.angle_degrees);
+            return if order(&only.at, centroid).is_le() { vec![angle, None] } else { vec![None, angle] };
+        }
+        let before = |a: &&&LinePoint<D>, b: &&&LinePoint<D>| order(&a.at, &b.at);
         let ends = [points.iter().min_by(before), points.iter().max_by(before)];
         return ends.map(|p| p.map(|p| p.angle_degrees)).to_vec();
     }
@@ -170,11 +177,14 @@ mod tests {
     #[test]
     fn left_and_right_are_the_outermost_points() {
         let [a, b, c] = [point(0.3, 1.0, 50.0), point(0.1, 1.0, 33.0), point(0.2, 2.0, 90.0)];
-        assert_eq!(line_angles(&[&a, &b, &c]), [Some(33.0), Some(50.0)]);
+        let centroid = Vector::<2>::new(0.2, 1.1);
+        assert_eq!(line_angles(&[&a, &b, &c], &centroid), [Some(33.0), Some(50.0)]);
+        assert_eq!(line_angles(&[&a], &centroid), [None, Some(50.0)]);
+        assert_eq!(line_angles(&[&b], &centroid), [Some(33.0), None]);
         assert!(base_radius(&[&a, &b]).is_some_and(|radius| (radius - 0.1).abs() < 1e-15));
         // On an upright wall the lower one comes first, whatever the rounding of x.
         let [low, high] = [point(1.0 + 1e-15, 0.0, 20.0), point(1.0, 1.0, 60.0)];
-        assert_eq!(line_angles(&[&high, &low]), [Some(20.0), Some(60.0)]);
-        assert_eq!((line_angles::<2>(&[]), base_radius::<2>(&[])), (vec![None, None], None));
+        assert_eq!(line_angles(&[&high, &low], &centroid), [Some(20.0), Some(60.0)]);
+        assert_eq!((line_angles::<2>(&[], &centroid), base_radius::<2>(&[])), (vec![None, None], None));
     }
 }

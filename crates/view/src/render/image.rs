@@ -1,5 +1,6 @@
 //! Images in memory, line drawing and PNG files.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 
@@ -24,6 +25,8 @@ pub struct Image {
     pub height: u32,
     /// Red, green, blue of each pixel.
     pub rgb: Vec<u8>,
+    /// Opacity of each pixel, if the background is transparent; the colours are not multiplied by it.
+    pub opacity: Option<Vec<u8>>,
 }
 
 /// Size of a picture, in pixels.
@@ -108,7 +111,21 @@ impl Canvas {
             width: self.width as u32,
             height: self.height as u32,
             rgb: self.pixels.iter().flat_map(curve).collect(),
+            opacity: None,
         }
+    }
+
+    /// The image without a background, from the same picture over black and over white (triangulation matting, Smith & Blinn 1996): a
+    /// pixel of colour `c` and opacity `α` is `α c` over black and `1 − α` brighter over white.
+    pub(crate) fn matte(over_black: &Self, over_white: &Self, curve: impl Fn(&V3) -> [u8; 3]) -> Image {
+        let opacity = |(black, white): (&V3, &V3)| (1.0 - (white - black).mean()).clamp(0.0, 1.0);
+        let opacities: Vec<f64> = over_black.pixels.iter().zip(&over_white.pixels).map(opacity).collect();
+        let color =
+            |(black, opacity): (&V3, &f64)| if *opacity > 0.0 { black / *opacity } else { V3::zeros() };
+        let pixels = over_black.pixels.iter().zip(&opacities).map(color).collect();
+        let image = Self { pixels, ..*over_black }.to_image(curve);
+        let bytes = opacities.iter().map(|a| (a * 255.0).round() as u8).collect();
+        Image { opacity: Some(bytes), ..image }
     }
 }
 
@@ -123,15 +140,23 @@ fn line_coverage(a: [f64; 2], b: [f64; 2], width: f64, x: usize, y: usize) -> (f
 }
 
 impl Image {
+    /// The samples of the pixels one after another: red, green, blue, and the opacity if there is one.
+    fn samples(&self) -> Cow<'_, [u8]> {
+        let Some(opacity) = &self.opacity else { return Cow::Borrowed(&self.rgb) };
+        let pixels = self.rgb.chunks_exact(3).zip(opacity);
+        Cow::Owned(pixels.flat_map(|(c, a)| [c[0], c[1], c[2], *a]).collect())
+    }
+
     /// Writes the image as a PNG file.
     pub fn save(&self, path: &Path) -> Result<()> {
         whole_file::write(path, |file| {
             let mut encoder = png::Encoder::new(file, self.width, self.height);
-            encoder.set_color(png::ColorType::Rgb);
+            let color = if self.opacity.is_some() { png::ColorType::Rgba } else { png::ColorType::Rgb };
+            encoder.set_color(color);
             encoder.set_depth(png::BitDepth::Eight);
             let fail = |source| ViewError::Png { path: path.into(), source };
             let mut writer = encoder.write_header().map_err(fail)?;
-            writer.write_image_data(&self.rgb).map_err(fail)?;
+            writer.write_image_data(&self.samples()).map_err(fail)?;
             writer.finish().map_err(fail)
         })
     }

@@ -19,6 +19,7 @@ pub use options::{Appearance, RenderOptions, Rendered, Style};
 
 use crate::error::{Result, ViewError};
 use crate::folder::{Frame, RunFolder};
+use image::Canvas;
 use legend::ColorMapping;
 
 /// Number of frames sampled for the filled share of the picture.
@@ -56,8 +57,10 @@ impl Renderer {
                 format!("the requested frames do not exist: the run has frames {first} to {last}"),
             ));
         }
-        if folder.dimension == 2 && options.camera.is_some() {
-            return Err(ViewError::content(dir, "this run is 2D, but a camera is for 3D runs only"));
+        let of_3d =
+            [(options.camera.is_some(), "a camera"), (options.style.is_some(), "a style of the liquid")];
+        if let Some((_, what)) = of_3d.iter().find(|(given, _)| *given && folder.dimension == 2) {
+            return Err(ViewError::content(dir, format!("this run is 2D, but {what} is for 3D runs only")));
         }
         let mode = if folder.dimension == 2 {
             let (seen, _) = setup::visible_bounds(&folder)?;
@@ -88,14 +91,30 @@ impl Renderer {
 
     /// Renders a frame.
     fn picture(&self, frame: &Frame) -> Image {
+        let curve = match self.mode {
+            RenderMode::Flat(_) => render_2d::encode_srgb,
+            RenderMode::Solid(_) => tracer::environment::tone_map,
+        };
+        let appearance = self.options.appearance;
+        if !appearance.transparent {
+            return self.canvas(frame, appearance).to_image(curve);
+        }
+        let over = |color| self.canvas(frame, Appearance { background: Some(color), ..appearance });
+        Canvas::matte(&over(0x0000_0000), &over(0x00ff_ffff), curve)
+    }
+
+    /// A frame in linear colours.
+    fn canvas(&self, frame: &Frame, appearance: Appearance) -> Canvas {
         let shading = self.shading.as_ref();
         match &self.mode {
-            RenderMode::Flat(window) => render_2d::picture(window, frame, &self.options.appearance, shading),
-            RenderMode::Solid(stage) => {
-                let scene = tracer::scene::Scene::new(stage, frame, &self.options, shading);
+            RenderMode::Flat(window) => render_2d::picture(window, frame, &appearance, shading),
+            RenderMode::Solid(setup) => {
+                let mut setup = (**setup).clone();
+                setup.appearance = appearance;
+                let scene = tracer::scene::Scene::new(&setup, frame, &self.options, shading);
                 let mut canvas = tracer::trace::picture(&scene, self.options.size, self.options.samples);
                 shading.iter().for_each(|shading| shading.legend(&mut canvas));
-                canvas.to_image(tracer::environment::tone_map)
+                canvas
             }
         }
     }
@@ -175,7 +194,11 @@ pub fn render(dir: &Path, options: &RenderOptions, mut done: impl FnMut(usize, u
         done(made.images.len(), renderer.numbers.len());
     }
     if options.film && made.images.len() > 1 {
-        match film::make(&to, &made.images, options.rate) {
+        let film = match options.appearance.transparent {
+            true => Err("a film has no transparency".to_owned()),
+            false => film::make(&to, &made.images, options.rate),
+        };
+        match film {
             Ok(path) => made.film = Some(path),
             Err(why) => made.no_film = Some(why),
         }

@@ -27,6 +27,9 @@ pub struct Appearance {
     pub line: bool,
     /// Background colour, 0xRRGGBB. In 3D tone mapping darkens bright colours slightly.
     pub background: Option<u32>,
+    /// Leave the background out of the picture, which then has an opacity. Behind clear liquid the surroundings stay, as refraction
+    /// shows them.
+    pub transparent: bool,
     /// Colour of the liquid, 0xRRGGBB; for glass the colour at a thickness of one typical width.
     pub liquid: Option<u32>,
     /// Colour of all solids, 0xRRGGBB.
@@ -35,7 +38,15 @@ pub struct Appearance {
 
 impl Default for Appearance {
     fn default() -> Self {
-        Self { floor: true, domain: true, line: true, background: None, liquid: None, solids: None }
+        Self {
+            floor: true,
+            domain: true,
+            line: true,
+            background: None,
+            transparent: false,
+            liquid: None,
+            solids: None,
+        }
     }
 }
 
@@ -46,8 +57,8 @@ pub struct RenderOptions {
     pub size: ImageSize,
     /// The camera, in 3D only; `None` looks slightly from above and shows everything.
     pub camera: Option<Camera>,
-    /// Look of the liquid.
-    pub style: Style,
+    /// Look of the liquid, in 3D only; `None` for glass.
+    pub style: Option<Style>,
     /// Optional elements and colours.
     pub appearance: Appearance,
     /// Quantity that colours solids.
@@ -71,7 +82,7 @@ impl Default for RenderOptions {
         Self {
             size: ImageSize { width: 640, height: 360 },
             camera: None,
-            style: Style::Glass,
+            style: None,
             appearance: Appearance::default(),
             shade: ColorBy::Plain,
             samples: 4,

@@ -3,7 +3,7 @@
 use meniscus_numerics::mesh::ply::PlyMesh;
 
 use super::coverage::coverage;
-use super::image::{Canvas, Image, ImageSize};
+use super::image::{Canvas, ImageSize};
 use super::legend::ColorMapping;
 use super::setup::round_length;
 use super::{Appearance, label};
@@ -13,6 +13,9 @@ use crate::wetted::{self, Depths};
 
 /// Magnification of the liquid above which the window shows less than the whole domain.
 const ZOOM_THRESHOLD: f64 = 1.7;
+
+/// Colour of the domain where there is no liquid.
+const PAPER: u32 = 0x00fb_fcfd;
 
 /// Window of the plane and its mapping to the picture.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +30,7 @@ pub(crate) struct Viewport {
 }
 
 /// Encodes a linear colour as 8-bit sRGB without tone mapping.
-fn encode_srgb(c: &V3) -> [u8; 3] {
+pub(crate) fn encode_srgb(c: &V3) -> [u8; 3] {
     [c.x, c.y, c.z].map(|x| {
         let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
         (s.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
@@ -81,10 +84,10 @@ pub(crate) fn picture(
     frame: &Frame,
     set: &Appearance,
     shading: Option<&ColorMapping>,
-) -> Image {
+) -> Canvas {
     let mut canvas = Canvas::new(window.size, linear_from_srgb(set.background.unwrap_or(0x00e9_edf1)));
     let thick = (f64::from(window.size.height) / 240.0).max(1.0);
-    let air = linear_from_srgb(set.background.unwrap_or(0x00fb_fcfd));
+    let air = linear_from_srgb(set.background.unwrap_or(PAPER));
     if let Some(d) = window.domain.filter(|_| set.domain) {
         let p = [[0.0, 0.0], [d[0], 0.0], [d[0], d[1]], [0.0, d[1]]].map(|p| window.place(&p));
         let walls: Vec<_> = (0..4).map(|k| [p[k], p[(k + 1) % 4]]).collect();
@@ -113,13 +116,13 @@ pub(crate) fn picture(
     if let Some(line) = frame.contact_line.as_ref().filter(|_| set.line) {
         for p in &line.positions {
             let at = window.place(p);
-            canvas.line(at, at, thick * 5.4, &air, |_, _, _| 1.0);
+            canvas.line(at, at, thick * 5.4, &linear_from_srgb(PAPER), |_, _, _| 1.0);
             canvas.line(at, at, thick * 4.0, &linear_from_srgb(0x00d6_2718), |_, _, _| 1.0);
         }
     }
     labels(window, frame, &mut canvas);
     shading.iter().for_each(|shading| shading.legend(&mut canvas));
-    canvas.to_image(encode_srgb)
+    canvas
 }
 
 /// Colours at the top, at the bottom and of the edge: shades of a given colour, or the defaults.

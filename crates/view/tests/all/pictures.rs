@@ -23,7 +23,7 @@ fn pictures_do_not_depend_on_the_number_of_threads() {
     let dir = folder("threads", Sample::Drop, 1);
     let picture = |threads: usize, style: Style| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let options = RenderOptions { style, ..small() };
+        let options = RenderOptions { style: Some(style), ..small() };
         pool.install(|| Renderer::open(&dir, &options).unwrap().image(0).unwrap())
     };
     for style in [Style::Glass, Style::Matte] {
@@ -119,6 +119,14 @@ fn cameras_that_show_nothing_are_refused() {
         (false, false, Some(0x80_40_20));
     let image = Renderer::open(&dir, &plain).unwrap().image(0).unwrap();
     assert_eq!((&image.rgb[..3], red(&image)), (&[0x80, 0x40, 0x20][..], 0));
+    // Without a background the picture over that colour is the same.
+    (plain.appearance.background, plain.appearance.transparent) = (None, true);
+    let matte = Renderer::open(&dir, &plain).unwrap().image(0).unwrap();
+    let opacity = matte.opacity.as_ref().unwrap();
+    assert_eq!((opacity[0], opacity.iter().max()), (0, Some(&255)));
+    for (i, _) in opacity.iter().enumerate().filter(|(_, a)| **a == 255) {
+        assert_eq!(matte.rgb[3 * i..][..3], image.rgb[3 * i..][..3]);
+    }
     std::fs::remove_dir_all(dir).unwrap();
 }
 

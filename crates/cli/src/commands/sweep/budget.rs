@@ -1,7 +1,6 @@
 //! `--budget`: the resolution with which a sweep takes a given time.
 //!
-//! The time of a case is the estimate of `meniscus check`, which is rough: runs with soft solids were found to take 7 to 10 times as long,
-//! liquid with rigid solids up to three times. It grows about as N^(D + 3/2)
+//! The time of a case is the estimate of `meniscus check`, which is rough: runs were found to take up to three times as long. It grows about as N^(D + 3/2)
 //! for N cells along the longest side: N^D cells, and steps by the capillary limit. By this law N is corrected until the estimate of the
 //! first and the last case agrees with the budget. A folder that holds a sweep keeps its resolution.
 

@@ -19,7 +19,7 @@ pub fn render(args: &RenderArgs) -> Result {
     let options = RenderOptions {
         size: args.size.into(),
         camera: camera(args)?,
-        style: args.style.as_deref().map_or(Ok(Style::default()), style)?,
+        style: args.style.as_deref().map(style).transpose()?,
         shade: args.color.as_deref().map_or(Ok(ColorBy::default()), shade)?,
         every: args.every.max(1) as usize,
         frames: args.frames.map(|(a, b)| frame(a)..=frame(b)),
@@ -29,6 +29,7 @@ pub fn render(args: &RenderArgs) -> Result {
             domain: !args.no_box,
             line: !args.no_line,
             background: args.background,
+            transparent: args.transparent,
             liquid: args.liquid_color,
             solids: args.solid_color,
         },

@@ -70,8 +70,8 @@ impl PlyMesh {
         std::fs::rename(&beside, path).map_err(fail)
     }
 
-    /// Writes the mesh, binary little-endian. The values `kind` become `uchar`, `solid` becomes `int`, all
-    /// others `double`; missing values at the end of an array are 0. Edges are ordered by their first vertex when they are read back.
+    /// Writes the mesh, binary little-endian. The values `kind` become `uchar`, `solid` becomes `int`, normals `nx`,
+    /// `ny`, `nz` become `float`, all others `double`; missing values at the end of an array are 0. Edges are ordered by their first vertex when they are read back.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let mut head = String::from("ply\nformat binary_little_endian 1.0\n");
         for c in &self.comments {
@@ -123,6 +123,7 @@ impl PlyMesh {
                 match scalar_type(name) {
                     "uchar" => b.push(x as u8),
                     "int" => b.extend_from_slice(&(x as i32).to_le_bytes()),
+                    "float" => b.extend_from_slice(&(x as f32).to_le_bytes()),
                     _ => b.extend_from_slice(&x.to_le_bytes()),
                 }
             }
@@ -141,6 +142,7 @@ fn scalar_type(name: &str) -> &'static str {
     match name {
         "kind" => "uchar",
         "solid" => "int",
+        "nx" | "ny" | "nz" => "float",
         _ => "double",
     }
 }

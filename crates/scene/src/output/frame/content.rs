@@ -8,6 +8,10 @@ use std::borrow::Cow;
 pub struct Frame {
     /// Time, s.
     pub time: f64,
+    /// Time from one frame to the next, s; `None` if it is not known.
+    pub interval: Option<f64>,
+    /// Length of one unit of the positions, m: 1, unless the frame is scaled.
+    pub unit: f64,
     /// The axis that points up: 1 in 2D, 2 in 3D, unless the frame is turned.
     pub up_axis: usize,
     /// The liquid's surface outside the solids.
@@ -96,6 +100,29 @@ pub struct Attribute {
     pub values: Vec<f64>,
 }
 
+impl Frame {
+    /// A frame without content at time 0, in metres.
+    pub fn empty(up_axis: usize) -> Self {
+        Self {
+            time: 0.0,
+            interval: None,
+            unit: 1.0,
+            up_axis,
+            liquid: FrameMesh::default(),
+            solids: Vec::new(),
+            contact_line: None,
+            wall_solid: None,
+            elements: Vec::new(),
+            fields: None,
+        }
+    }
+
+    /// The unit of the positions as text, with this word or symbol for the metre: `metre`, or `0.01 metre`.
+    pub fn unit_text(&self, metre: &str) -> String {
+        if self.unit == 1.0 { metre.to_owned() } else { format!("{} {metre}", self.unit) }
+    }
+}
+
 impl Attribute {
     /// An attribute whose texts are constants.
     pub fn new(name: &'static str, unit: &'static str, meaning: &'static str, values: Vec<f64>) -> Self {
@@ -107,6 +134,13 @@ impl FrameMesh {
     /// The values of an attribute, if the mesh has it.
     pub fn values(&self, name: &str) -> Option<&[f64]> {
         self.attributes.iter().find(|a| a.name == name).map(|a| a.values.as_slice())
+    }
+
+    /// The three attributes that are the components of a vector, at each vertex; `None` if one is missing.
+    pub fn vectors(&self, names: [&str; 3]) -> Option<Vec<[f64; 3]>> {
+        let [x, y, z] = names.map(|name| self.values(name));
+        let of = x?.iter().zip(y?).zip(z?);
+        Some(of.map(|((x, y), z)| [*x, *y, *z]).collect())
     }
 
     /// Normal of each vertex, of length 1: that of the adjacent triangles, weighted with their areas. Vertices without a triangle, and

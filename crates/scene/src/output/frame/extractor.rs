@@ -1,5 +1,6 @@
 //! Extraction of frames from a simulation.
 
+use super::known::VELOCITIES;
 use super::volumes::{elements, fields};
 use super::{Attribute, Frame, FrameMesh, FrameParts};
 use crate::job::padded_to_3d;
@@ -34,16 +35,18 @@ pub struct NotFinite {
 #[derive(Clone, Debug)]
 pub struct FrameExtractor<const D: usize> {
     names: Vec<String>,
+    interval: f64,
     tracker: LineTracker<D>,
 }
 
 impl<const D: usize> FrameExtractor<D> {
-    /// For a model whose solids have these names and these lengths of their meshes' edges, m, in the model's order.
-    pub fn new(model: &Model<D>, solids: &[(String, f64)]) -> Self {
+    /// For a model whose solids have these names and these lengths of their meshes' edges, m, in the model's order, and for frames
+    /// at this interval, s.
+    pub fn new(model: &Model<D>, solids: &[(String, f64)], interval: f64) -> Self {
         let walls = model.wetting_wall_solid().map(|_| model.grid.dx / WALL_MESH_EDGES_PER_CELL);
         let edges: Vec<f64> = solids.iter().map(|(_, edge)| *edge).chain(walls).collect();
         let names = solids.iter().map(|(name, _)| name.clone()).collect();
-        Self { names, tracker: LineTracker::new(model, &edges) }
+        Self { names, interval, tracker: LineTracker::new(model, &edges) }
     }
 
     /// The contact line of the current state.
@@ -72,6 +75,8 @@ impl<const D: usize> FrameExtractor<D> {
         };
         Ok(Frame {
             time: state.time,
+            interval: Some(self.interval),
+            unit: 1.0,
             up_axis: D - 1,
             liquid: liquid_surface(simulation)?,
             solids: self.names.iter().enumerate().map(solid).collect(),
@@ -112,6 +117,8 @@ pub fn liquid_surface<const D: usize>(simulation: &Simulation<D>) -> Result<Fram
     }
     let kind = surface.vertex_kind.into_iter().map(f64::from).collect();
     mesh.attributes.push(Attribute::known("kind", kind));
+    let sampler = simulation.model.velocity_sampler(&state.velocity);
+    mesh.attributes.extend(velocities(&par::map_slice(&surface.mesh.positions, 64, |x| sampler.linear(x))));
     Ok(mesh)
 }
 
@@ -154,11 +161,29 @@ fn solid<const D: usize>(
     phi_c.resize(mesh.positions.len(), 0.0);
     mesh.attributes.push(Attribute::known("phi_c", phi_c));
     mesh.attributes.extend(deformation(simulation.solid(number)));
+    mesh.attributes.extend(velocities(&surface_velocities(simulation.solid(number), &surface.positions)));
     let young = young_angles(simulation, number, &surface.positions);
     if !young.is_empty() {
         mesh.attributes.push(Attribute::known("young", young));
     }
     mesh
+}
+
+/// Velocities of the vertices of a solid's surface at these positions, m/s.
+fn surface_velocities<const D: usize>(solid: SolidView<'_, D>, positions: &[Vector<D>]) -> Vec<Vector<D>> {
+    match solid.state.as_deformable() {
+        None => positions.iter().map(|x| solid.velocity_at(x)).collect(),
+        Some(body) => {
+            let vertices = solid.surface.volume_vertices().iter();
+            vertices.map(|v| body.vertices.velocities[*v as usize]).collect()
+        }
+    }
+}
+
+/// The components of velocities as attributes.
+fn velocities<const D: usize>(all: &[Vector<D>]) -> [Attribute; 3] {
+    let of = |a: usize| all.iter().map(|v| padded_to_3d(v)[a]).collect();
+    std::array::from_fn(|a| Attribute::known(VELOCITIES[a], of(a)))
 }
 
 /// Displacement and strain of a deformable solid at the vertices of its surface; none of a rigid one.

@@ -4,12 +4,15 @@ use super::{Attribute, FrameMesh};
 use meniscus_numerics::mesh::ply::PlyMesh;
 
 /// Name, unit and meaning of the attributes of surfaces and contact lines.
-const KNOWN: [(&str, &str, &str); 13] = [
+const KNOWN: [(&str, &str, &str); 16] = [
     ("kind", "1", "0 liquid-air, 1 liquid-solid, 2 contact line"),
     ("phi_c", "m", "signed distance to the contact line along the surface, negative where wetted"),
     ("ux", "m", DISPLACEMENT),
     ("uy", "m", DISPLACEMENT),
     ("uz", "m", DISPLACEMENT),
+    ("vx", "m/s", VELOCITY),
+    ("vy", "m/s", VELOCITY),
+    ("vz", "m/s", VELOCITY),
     ("strain", "1", "largest |stretch - 1|"),
     ("young", "deg", "Young's contact angle through the liquid"),
     ("angle", "deg", "contact angle through the liquid"),
@@ -21,7 +24,14 @@ const KNOWN: [(&str, &str, &str); 13] = [
 ];
 
 const DISPLACEMENT: &str = "displacement from the position at rest";
+const VELOCITY: &str = "velocity, half a time step ahead of the positions";
 const LINE_FORCE: &str = "force on the solid per length of the line";
+
+/// Components of the normal in stored files; they follow from the triangles.
+pub(super) const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+
+/// Components of the velocity.
+pub(super) const VELOCITIES: [&str; 3] = ["vx", "vy", "vz"];
 
 /// Comment by which a PLY file of a contact line names the number of the domain's walls, without the number.
 pub(super) const WALLS_COMMENT: &str = "are the walls of the domain";
@@ -56,7 +66,8 @@ impl From<PlyMesh> for FrameMesh {
     fn from(mesh: PlyMesh) -> Self {
         let PlyMesh { positions, faces: triangles, edges, scalars, comments } = mesh;
         let read = |(name, values): (String, Vec<f64>)| Attribute::stored(&name, &comments, values);
-        let mut attributes: Vec<Attribute> = scalars.into_iter().map(read).collect();
+        let attributes = scalars.into_iter().filter(|(name, _)| !NORMAL.contains(&name.as_str()));
+        let mut attributes: Vec<Attribute> = attributes.map(read).collect();
         attributes.sort_by_key(|a| order(&a.name));
         Self { positions, triangles, edges, attributes }
     }

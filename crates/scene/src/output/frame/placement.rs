@@ -1,9 +1,10 @@
 //! Scale and orientation of a frame, for programs with another unit of length or another axis that points up.
 
+use super::known::VELOCITIES;
 use super::{Attribute, Frame, FrameMesh};
 
 /// Attributes that are vectors, by their components.
-const VECTORS: [[&str; 3]; 2] = [["ux", "uy", "uz"], ["fx", "fy", "fz"]];
+const VECTORS: [[&str; 3]; 3] = [["ux", "uy", "uz"], ["fx", "fy", "fz"], VELOCITIES];
 
 impl Frame {
     /// The frame with all positions multiplied by `scale` and turned so that the axis `up` (1 or 2) points up. Components of vectors
@@ -23,7 +24,7 @@ impl Frame {
             mesh.positions.iter_mut().for_each(|x| *x = turn(*x).map(|x| x * scale));
             VECTORS.iter().for_each(|names| turn_vectors(mesh, names, turn));
         }
-        self.up_axis = up;
+        (self.up_axis, self.unit) = (up, self.unit / scale);
         (self.elements, self.fields) = (Vec::new(), None);
         self
     }
@@ -56,20 +57,13 @@ mod tests {
             ],
             ..FrameMesh::default()
         };
-        let frame = Frame {
-            time: 0.0,
-            up_axis: 2,
-            liquid: mesh.clone(),
-            solids: vec![("a".into(), mesh)],
-            contact_line: None,
-            wall_solid: None,
-            elements: Vec::new(),
-            fields: None,
-        };
+        let solids = vec![("a".into(), mesh.clone())];
+        let frame = Frame { liquid: mesh, solids, ..Frame::empty(2) };
         let placed = frame.clone().placed(10.0, 1);
         assert_eq!(placed.liquid.positions, [[10.0, 30.0, -20.0]]);
         let values: Vec<f64> = placed.solids[0].1.attributes.iter().map(|a| a.values[0]).collect();
         assert_eq!((values, placed.up_axis), (vec![0.5, 1.0, 3.0, -2.0], 1));
+        assert_eq!([placed.unit_text("m"), frame.unit_text("m")], ["0.1 m", "m"]);
         assert_eq!(placed.placed(0.1, 2), frame);
     }
 }

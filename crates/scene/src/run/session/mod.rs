@@ -100,7 +100,7 @@ impl<const D: usize> Session<D> {
         resumed_at: Option<f64>,
     ) -> Result<Self, FileError> {
         let Output { job, folder, log } = output;
-        let extractor = FrameExtractor::new(&simulation.model, &job.solids);
+        let extractor = FrameExtractor::new(&simulation.model, &job.solids, job.frame_interval);
         Ok(Self {
             job: job.clone(),
             folder: folder.clone(),

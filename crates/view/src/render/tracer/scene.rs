@@ -88,7 +88,7 @@ impl<'a> Scene<'a> {
             });
         Self {
             setup,
-            style: options.style,
+            style: options.style.unwrap_or_default(),
             liquid: TriMesh::new(&points, &frame.liquid.faces, &wetted, &[], 0.3),
             solids,
             shades,

@@ -15,7 +15,8 @@ impl FrameWriter for CsvWriter {
         let Some(line) = &frame.contact_line else { return Ok(folder.frames()) };
         let path = folder.frame_file("contact_line", number, "csv");
         atomic_file::write_atomically(&path, |file| {
-            write!(file, "time (s),x (m),y (m),z (m)")?;
+            let unit = frame.unit_text("m");
+            write!(file, "time (s),x ({unit}),y ({unit}),z ({unit})")?;
             for attribute in &line.attributes {
                 match &*attribute.unit {
                     "1" => write!(file, ",{}", attribute.name)?,

@@ -63,7 +63,8 @@ impl GltfFile {
             file.mesh("contact_line", line, 2, &vec![LINE; line.positions.len()]);
         }
         let children: Vec<usize> = (1..=file.nodes.len()).collect();
-        file.root = json!({ "name": "frame", "extras": { "time": frame.time, "unit": "metre" } });
+        file.root =
+            json!({ "name": "frame", "extras": { "time": frame.time, "unit": frame.unit_text("metre") } });
         if !children.is_empty() {
             file.root["children"] = json!(children);
         }

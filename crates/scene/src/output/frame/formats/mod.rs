@@ -92,16 +92,7 @@ pub(super) mod tests {
 
     /// A frame at time 0 without content.
     pub fn empty_frame() -> Frame {
-        Frame {
-            time: 0.0,
-            up_axis: 2,
-            liquid: FrameMesh::default(),
-            solids: Vec::new(),
-            contact_line: None,
-            wall_solid: None,
-            elements: Vec::new(),
-            fields: None,
-        }
+        Frame::empty(2)
     }
 
     /// A frame with everything: a tetrahedron as liquid and as solid, a line of three vertices, two elements and two cells.

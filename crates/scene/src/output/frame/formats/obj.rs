@@ -19,14 +19,15 @@ impl FrameWriter for ObjWriter {
         let meshes = [("liquid".to_owned(), &frame.liquid)].into_iter().chain(solids).chain(line);
         for (name, mesh) in meshes.filter(|(_, mesh)| !mesh.positions.is_empty()) {
             let path = folder.frame_file(&name, number, "obj");
-            atomic_file::write_atomically(&path, |file| write(file, &name, mesh, frame.time))?;
+            atomic_file::write_atomically(&path, |file| write(file, &name, mesh, frame))?;
         }
         Ok(folder.frame_file("liquid", number, "obj"))
     }
 }
 
-fn write(file: &mut impl Write, name: &str, mesh: &FrameMesh, time: f64) -> io::Result<()> {
-    writeln!(file, "# Meniscus {}\n# time {time:?} s\n# unit metre\no {name}", env!("CARGO_PKG_VERSION"))?;
+fn write(file: &mut impl Write, name: &str, mesh: &FrameMesh, frame: &Frame) -> io::Result<()> {
+    let (version, time, unit) = (env!("CARGO_PKG_VERSION"), frame.time, frame.unit_text("metre"));
+    writeln!(file, "# Meniscus {version}\n# time {time:?} s\n# unit {unit}\no {name}")?;
     mesh.positions.iter().try_for_each(|[x, y, z]| writeln!(file, "v {x:?} {y:?} {z:?}"))?;
     if !mesh.triangles.is_empty() {
         // Seven digits, as a renderer has them.

@@ -1,6 +1,6 @@
 //! Frames as binary PLY files, one for each mesh.
 
-use crate::output::frame::known::WALLS_COMMENT;
+use crate::output::frame::known::{NORMAL, WALLS_COMMENT};
 use crate::output::frame::{Attribute, Frame, FrameMesh, FrameWriter};
 use crate::output::{FileError, Folder, atomic_file};
 use meniscus_numerics::mesh::ply::PlyMesh;
@@ -36,17 +36,21 @@ fn ply(mesh: &FrameMesh, frame: &Frame) -> PlyMesh {
     let mut comments = vec![
         concat!("Meniscus ", env!("CARGO_PKG_VERSION")).into(),
         format!("time {:?}", frame.time),
-        "unit metre".into(),
+        format!("unit {}", frame.unit_text("metre")),
     ];
     if !mesh.edges.is_empty() {
         comments.push("next vertex to which an edge leads, or -1".into());
     }
     comments.extend(mesh.attributes.iter().filter_map(comment));
+    let attributes = mesh.attributes.iter().map(|a| (a.name.clone().into_owned(), a.values.clone()));
+    let normals = if mesh.triangles.is_empty() { Vec::new() } else { mesh.normals() };
+    let component = |(k, name): (usize, &str)| (name.to_owned(), normals.iter().map(|n| n[k]).collect());
+    let components = NORMAL.into_iter().enumerate().filter(|_| !normals.is_empty()).map(component);
     PlyMesh {
         positions: mesh.positions.clone(),
         faces: mesh.triangles.clone(),
         edges: mesh.edges.clone(),
-        scalars: mesh.attributes.iter().map(|a| (a.name.clone().into_owned(), a.values.clone())).collect(),
+        scalars: attributes.chain(components).collect(),
         comments,
     }
 }
@@ -59,7 +63,8 @@ fn comment(attribute: &Attribute) -> Option<String> {
         "ux" => "ux uy uz way from the place at rest, strain largest |stretch - 1|",
         "young" => "young contact angle at rest in degrees",
         "angle" => "angle in degrees through the liquid, speed in m/s, force in N/m",
-        "uy" | "uz" | "strain" | "speed" | "fx" | "fy" | "fz" | "solid" => return None,
+        "vx" => "vx vy vz velocity in m/s, half a time step ahead of the positions",
+        "vy" | "vz" | "uy" | "uz" | "strain" | "speed" | "fx" | "fy" | "fz" | "solid" => return None,
         _ => return Some(format!("{} {}, {}", attribute.name, attribute.meaning, attribute.unit)),
     };
     Some(text.into())

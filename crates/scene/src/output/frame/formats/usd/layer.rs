@@ -4,7 +4,7 @@ use super::prim::{Material, Prim, Property, Values};
 use std::io::{self, Write};
 
 /// Frames per second at which programs play the frames. Time codes count frames, so a run plays in slow motion.
-const FRAMES_PER_SECOND: u32 = 24;
+pub(super) const FRAMES_PER_SECOND: u32 = 24;
 
 /// Name of the root prim.
 pub(super) const ROOT: &str = "frame";
@@ -17,6 +17,8 @@ pub(super) struct Range {
     pub last: u64,
     /// The axis that points up: 1 or 2.
     pub up_axis: usize,
+    /// Length of one unit of the positions, m.
+    pub unit: f64,
 }
 
 /// Colour, roughness, index of refraction and opacity of a material.
@@ -31,14 +33,14 @@ const LOOKS: [Look; 3] = [
 
 /// Writes the head of a layer.
 pub(super) fn write_head(out: &mut impl Write, range: &Range) -> io::Result<()> {
-    let Range { first, last, up_axis } = range;
+    let Range { first, last, up_axis, unit } = range;
     let up = if *up_axis == 1 { "Y" } else { "Z" };
     let version = env!("CARGO_PKG_VERSION");
     write!(
         out,
         "#usda 1.0\n(\n    customLayerData = {{\n        string creator = \"Meniscus {version}\"\n    }}\n    defaultPrim = \"{ROOT}\"\n    \
-         doc = \"Positions in metres, attributes in SI units and degrees. A time code is the number of a frame.\"\n    \
-         endTimeCode = {last}\n    framesPerSecond = {FRAMES_PER_SECOND}\n    metersPerUnit = 1\n    startTimeCode = {first}\n    \
+         doc = \"Attributes in SI units and degrees. A time code is the number of a frame.\"\n    \
+         endTimeCode = {last}\n    framesPerSecond = {FRAMES_PER_SECOND}\n    metersPerUnit = {unit}\n    startTimeCode = {first}\n    \
          timeCodesPerSecond = {FRAMES_PER_SECOND}\n    upAxis = \"{up}\"\n)\n\n"
     )
 }

@@ -2,14 +2,14 @@
 //!
 //! Source: OpenUSD, "USDA file format", "Value clips", "UsdGeom", "UsdPreviewSurface". A time code is the number of a frame; the time in
 //! seconds is the attribute `meniscus:time` of the root prim. The number of vertices changes from frame to frame, so a value holds
-//! until the next frame. Limit: positions and attributes are in single precision, as the schemas ask.
+//! until the next frame; renderers blur by `velocities`, in units a second of playback. Limit: positions and attributes are in single precision, as the schemas ask.
 
 mod layer;
 mod prim;
 mod root;
 
 use self::layer::Range;
-use self::prim::{Material, Naming, Prim};
+use self::prim::{Material, Naming, Prim, Scales};
 use crate::output::frame::{Frame, FrameMesh, FrameWriter};
 use crate::output::{FileError, Folder, atomic_file};
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ impl FrameWriter for UsdWriter {
     fn write(&self, folder: &Folder, number: u64, frame: &Frame) -> Result<PathBuf, FileError> {
         let path = folder.frame_file("frame", number, "usda");
         let prims = prims(frame);
-        let range = Range { first: number, last: number, up_axis: frame.up_axis };
+        let range = Range { first: number, last: number, up_axis: frame.up_axis, unit: frame.unit };
         atomic_file::write_atomically(&path, |out| {
             layer::write_head(out, &range)?;
             layer::open_root(out, None)?;
@@ -32,18 +32,18 @@ impl FrameWriter for UsdWriter {
             prims.iter().try_for_each(|prim| layer::write_prim(out, prim, Some(number)))?;
             layer::close_root(out)
         })?;
-        root::write(folder, &prims, frame.up_axis)?;
+        root::write(folder, &prims, frame)?;
         Ok(path)
     }
 }
 
 /// The prims of a frame; those without content have empty arrays.
 fn prims(frame: &Frame) -> Vec<Prim> {
-    let (flat, width) = (is_flat(frame), prim::width(frame));
+    let (flat, scales) = (is_flat(frame), Scales::of(frame));
     let mut naming = Naming::default();
     let mut surface = |name: &str, mesh: &FrameMesh, material| {
         let label = naming.label(name, material);
-        if flat { prim::curves(label, mesh, width) } else { prim::triangles(label, mesh) }
+        if flat { prim::curves(label, mesh, &scales) } else { prim::triangles(label, mesh, &scales) }
     };
     let mut all = vec![surface("liquid", &frame.liquid, Material::Liquid)];
     for (name, mesh) in &frame.solids {
@@ -52,7 +52,7 @@ fn prims(frame: &Frame) -> Vec<Prim> {
     let label = naming.label("contact_line", Material::Line);
     let empty = prim::empty_line();
     let line = frame.contact_line.as_ref().unwrap_or(&empty);
-    all.push(if flat { prim::points(label, line, width) } else { prim::curves(label, line, width) });
+    all.push(if flat { prim::points(label, line, &scales) } else { prim::curves(label, line, &scales) });
     all
 }
 

@@ -1,5 +1,7 @@
 //! Prims of a frame: meshes, curves and points with their attributes.
 
+use super::layer::FRAMES_PER_SECOND;
+use crate::output::frame::known::VELOCITIES;
 use crate::output::frame::{Attribute, Frame, FrameMesh, polylines};
 use std::collections::BTreeSet;
 
@@ -147,8 +149,24 @@ pub(super) fn empty_line() -> FrameMesh {
     FrameMesh { attributes: attributes.to_vec(), ..FrameMesh::default() }
 }
 
+/// Scales of a frame.
+pub(super) struct Scales {
+    /// Width of curves and points, in units of the positions.
+    width: f32,
+    /// Factor from velocities, m/s, to units of the positions a second of playback; `None` if the frames' interval is not known.
+    velocity: Option<f64>,
+}
+
+impl Scales {
+    /// Those of a frame.
+    pub fn of(frame: &Frame) -> Self {
+        let playback = |interval| interval * f64::from(FRAMES_PER_SECOND) / frame.unit;
+        Self { width: width(frame), velocity: frame.interval.map(playback) }
+    }
+}
+
 /// Triangles with normals.
-pub(super) fn triangles(label: Label, mesh: &FrameMesh) -> Prim {
+pub(super) fn triangles(label: Label, mesh: &FrameMesh, scales: &Scales) -> Prim {
     let order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     let indices = mesh.triangles.iter().flatten().map(|v| *v as i32).collect();
     let normals = mesh.normals().iter().map(|n| n.map(|x| x as f32)).collect();
@@ -157,34 +175,35 @@ pub(super) fn triangles(label: Label, mesh: &FrameMesh) -> Prim {
         Property::new("int[]", "faceVertexIndices", Values::Integers(indices)),
         Property::new("normal3f[]", "normals", Values::Vectors(normals)).with_interpolation("vertex"),
     ];
-    add_points(&mut properties, mesh, &order, 0.0);
+    add_points(&mut properties, mesh, &order, &Scales { width: 0.0, ..*scales });
     Prim { kind: "Mesh", label, fixed: &["uniform token subdivisionScheme = \"none\""], properties }
 }
 
 /// Edges as polylines; a closed one ends with its first vertex.
-pub(super) fn curves(label: Label, mesh: &FrameMesh, width: f32) -> Prim {
+pub(super) fn curves(label: Label, mesh: &FrameMesh, scales: &Scales) -> Prim {
     let lines = polylines(mesh.positions.len(), &mesh.edges);
     let counts = lines.iter().map(|line| line.len() as i32).collect();
     let mut properties = vec![
         Property::new("int[]", "curveVertexCounts", Values::Integers(counts)),
-        Property::new("float[]", "widths", Values::Floats(vec![width])).with_interpolation("constant"),
+        Property::new("float[]", "widths", Values::Floats(vec![scales.width])).with_interpolation("constant"),
     ];
-    add_points(&mut properties, mesh, &lines.concat(), width);
+    add_points(&mut properties, mesh, &lines.concat(), scales);
     let fixed = &["uniform token type = \"linear\"", "uniform token wrap = \"nonperiodic\""];
     Prim { kind: "BasisCurves", label, fixed, properties }
 }
 
 /// Points without edges.
-pub(super) fn points(label: Label, mesh: &FrameMesh, width: f32) -> Prim {
+pub(super) fn points(label: Label, mesh: &FrameMesh, scales: &Scales) -> Prim {
     let order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-    let widths = Property::new("float[]", "widths", Values::Floats(vec![width]));
+    let widths = Property::new("float[]", "widths", Values::Floats(vec![scales.width]));
     let mut properties = vec![widths.with_interpolation("constant")];
-    add_points(&mut properties, mesh, &order, width);
+    add_points(&mut properties, mesh, &order, scales);
     Prim { kind: "Points", label, fixed: &[], properties }
 }
 
-/// Adds positions, their bounds widened by half a width, and the attributes of the frame, at the vertices of `order`.
-fn add_points(properties: &mut Vec<Property>, mesh: &FrameMesh, order: &[u32], width: f32) {
+/// Adds positions, their bounds widened by half a width, velocities, and the attributes of the frame, at the vertices of `order`.
+fn add_points(properties: &mut Vec<Property>, mesh: &FrameMesh, order: &[u32], scales: &Scales) {
+    let width = scales.width;
     let positions: Vec<[f32; 3]> =
         order.iter().map(|v| mesh.positions[*v as usize].map(|x| x as f32)).collect();
     let bound = |start: f32, of: fn(f32, f32) -> f32, by: f32| -> [f32; 3] {
@@ -195,11 +214,16 @@ fn add_points(properties: &mut Vec<Property>, mesh: &FrameMesh, order: &[u32], w
     let extent = if positions.is_empty() { vec![[0.0; 3]; 2] } else { vec![low, high] };
     properties.push(Property::new("float3[]", "extent", Values::Vectors(extent)));
     properties.push(Property::new("point3f[]", "points", Values::Vectors(positions)));
+    if let Some((factor, all)) = scales.velocity.zip(mesh.vectors(VELOCITIES)) {
+        let of = |v: &u32| all[*v as usize].map(|x| (factor * x) as f32);
+        let values = Values::Vectors(order.iter().map(of).collect());
+        properties.push(Property::new("vector3f[]", "velocities", values));
+    }
     properties.extend(mesh.attributes.iter().map(|attribute| Property::primvar(attribute, order)));
 }
 
-/// Width of curves and points, m: half the mean length of the edges of the liquid's surface, or of what else there is.
-pub(super) fn width(frame: &Frame) -> f32 {
+/// Width of curves and points, in units of the positions: half the mean length of the edges of the liquid's surface, or of what else there is.
+fn width(frame: &Frame) -> f32 {
     let meshes = [&frame.liquid].into_iter().chain(frame.solids.iter().map(|(_, mesh)| mesh));
     let mean = |mesh: &FrameMesh| {
         let sides = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);

@@ -5,17 +5,18 @@
 
 use super::layer::{self, ROOT, Range};
 use super::prim::Prim;
+use crate::output::frame::Frame;
 use crate::output::{FileError, Folder, atomic_file};
 
 /// Writes `run.usda` with all files `frame_NNNN.usda` of the folder.
-pub(super) fn write(folder: &Folder, prims: &[Prim], up_axis: usize) -> Result<(), FileError> {
+pub(super) fn write(folder: &Folder, prims: &[Prim], frame: &Frame) -> Result<(), FileError> {
     let frames = folder.frames();
     let entries = std::fs::read_dir(&frames).map_err(FileError::of("read", &frames))?;
     let mut numbers: Vec<u64> = entries.flatten().filter_map(|e| number(e.file_name().to_str()?)).collect();
     numbers.sort_unstable();
     let (Some(&first), Some(&last)) = (numbers.first(), numbers.last()) else { return Ok(()) };
     atomic_file::write_atomically(&frames.join("run.usda"), |out| {
-        layer::write_head(out, &Range { first, last, up_axis })?;
+        layer::write_head(out, &Range { first, last, up_axis: frame.up_axis, unit: frame.unit })?;
         layer::open_root(out, Some(&clips(&numbers)))?;
         layer::write_time(out, None)?;
         prims.iter().try_for_each(|prim| layer::write_prim(out, prim, None))?;

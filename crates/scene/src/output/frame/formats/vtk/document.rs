@@ -25,7 +25,7 @@ impl Document {
     pub fn new(kind: &'static str, attributes: &str, time: f64, compressed: bool) -> Self {
         let compressor = if compressed { " compressor=\"vtkLZ4DataCompressor\"" } else { "" };
         let text = format!(
-            "<?xml version=\"1.0\"?>\n<!-- Meniscus {}, positions in metres -->\n\
+            "<?xml version=\"1.0\"?>\n<!-- Meniscus {} -->\n\
              <VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"{compressor}>\n\
              <{kind}{attributes}>\n\
              <FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}</DataArray>\n\
