@@ -9,21 +9,20 @@ use crate::estimate::scales::{ball_radius, liquid_volume, norm, radius, smallest
 use crate::file::{Material, Scene, WALLS, Warning};
 use crate::units::format_si;
 use serde::Serialize;
+use std::f64::consts::PI;
 
-/// Core seconds per step and cell of the domain; rough, for the time estimate.
-const SECONDS_PER_CELL: f64 = 2e-7;
-/// Core seconds per step and liquid cell.
-const SECONDS_PER_LIQUID_CELL: f64 = 4e-6;
+/// Core seconds per step and liquid cell. With the constants below, a dozen built-in scenes from `drop-on-beam-2d` to `crown-splash` take
+/// between half and twice the estimated time a step.
+const SECONDS_PER_LIQUID_CELL: f64 = 1e-6;
+/// Core seconds per step and cell of the liquid's surface: in 3D with solids, and else.
+const SECONDS_PER_SURFACE_CELL: [f64; 2] = [2e-4, 6e-5];
 /// Core seconds per step and vertex of a deformable solid, in 2D and in 3D, for the two or three iterations of Newton's method that most
-/// steps take. With [`SECONDS_PER_FACTOR_BYTE`] the steps of seven built-in scenes, from `drop-on-beam-2d` to `fig22-plate-90`, are
-/// right within a factor of two.
-const SECONDS_PER_VERTEX: [f64; 2] = [1.7e-5, 6e-5];
+/// steps take.
+const SECONDS_PER_VERTEX: [f64; 2] = [1.7e-5, 1e-4];
 /// Core seconds per step and byte of the factors of deformable solids.
 const SECONDS_PER_FACTOR_BYTE: f64 = 3e-9;
 /// Speed-up of deformable solids by more than one thread, measured with a soft plate.
 const SOLID_SPEEDUP: f64 = 1.55;
-/// Factor on the work in the liquid where a solid deforms.
-const LIQUID_FACTOR_WITH_SOLIDS: f64 = 2.0;
 /// Seconds per step and byte of the matrix of solids without factors, for some dozen iterative solves. A ball of 58,400 vertices took 32
 /// s a step.
 const SECONDS_PER_ITERATED_BYTE: f64 = 4e-7;
@@ -230,16 +229,24 @@ fn dimensionless_numbers(scene: &Scene, radius: Option<f64>, speed: f64) -> [Opt
     ]
 }
 
-/// Rough wall time of a step on this number of threads, s.
+/// Rough wall time of a step on this number of threads, s. The liquid is taken for a ball.
 fn seconds_per_step(scene: &Scene, liquid_cells: f64, soft: &[SoftReport], threads: usize) -> f64 {
-    let work = SECONDS_PER_CELL * scene.grid_cells() + SECONDS_PER_LIQUID_CELL * liquid_cells;
+    let dimension = scene.domain.dimension;
+    let [surface_cells, per_surface_cell] = match dimension {
+        2 => [2.0 * (PI * liquid_cells).sqrt(), SECONDS_PER_SURFACE_CELL[1]],
+        _ => {
+            let area = (36.0 * PI).cbrt() * liquid_cells.powf(2.0 / 3.0);
+            [area, SECONDS_PER_SURFACE_CELL[usize::from(scene.solids.is_empty())]]
+        }
+    };
+    let liquid = SECONDS_PER_LIQUID_CELL * liquid_cells + per_surface_cell * surface_cells;
     let per_byte = |factorised| if factorised { SECONDS_PER_FACTOR_BYTE } else { SECONDS_PER_ITERATED_BYTE };
-    let per_vertex = SECONDS_PER_VERTEX[scene.domain.dimension - 2];
-    let of_solid = |s: &SoftReport| per_vertex * s.vertices as f64 + per_byte(s.factorised) * s.solver_bytes;
+    let of_solid = |s: &SoftReport| {
+        SECONDS_PER_VERTEX[dimension - 2] * s.vertices as f64 + per_byte(s.factorised) * s.solver_bytes
+    };
     let solids: f64 = soft.iter().map(of_solid).sum();
-    let factor = if soft.is_empty() { 1.0 } else { LIQUID_FACTOR_WITH_SOLIDS };
     let speedup = if threads > 1 { SOLID_SPEEDUP } else { 1.0 };
-    factor * work / (threads.max(1) as f64) + solids / speedup
+    liquid / (threads.max(1) as f64) + solids / speedup
 }
 
 /// Share of the liquid that is thinner than two cells at the start. Adds warnings about it and about gaps between solids.

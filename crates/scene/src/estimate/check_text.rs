@@ -73,7 +73,7 @@ impl Report {
         vec![
             line("memory", format!("about {}", memory::format_bytes(self.memory_bytes))),
             line("steps", format!("about {:.0} of {}", self.steps, format_si(self.time_step, "s"))),
-            line("time", format!("roughly {}", format_duration(self.run_seconds))),
+            line("time", format!("roughly {}, without pictures", format_duration(self.run_seconds))),
             line("capillary step", format!("{capillary_step} (explicit limit)")),
         ]
     }

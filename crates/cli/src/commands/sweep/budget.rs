@@ -1,6 +1,7 @@
 //! `--budget`: the resolution with which a sweep takes a given time.
 //!
-//! The time of a case is the estimate of `meniscus check`, which is rough: runs were found to take up to three times as long. It grows about as N^(D + 3/2)
+//! The time of a case is the estimate of `meniscus check`, which is rough: it does not foresee steps that are shortened by
+//! an impact, for example, which can triple the time. It grows about as N^(D + 3/2)
 //! for N cells along the longest side: N^D cells, and steps by the capillary limit. By this law N is corrected until the estimate of the
 //! first and the last case agrees with the budget. A folder that holds a sweep keeps its resolution.
 

@@ -4,7 +4,7 @@ use crate::args::{PageArgs, RenderArgs};
 use crate::commands::print;
 use crate::failure::{Failure, OUTPUT, Result, USAGE};
 use indicatif::{ProgressBar, ProgressStyle};
-use meniscus_view::{Appearance, Camera, ColorBy, PageOptions, RenderOptions, Rendered, Style};
+use meniscus_view::{Appearance, Camera, ColorBy, PageOptions, RenderOptions, Rendered, Style, ViewError};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -44,6 +44,15 @@ pub fn render(args: &RenderArgs) -> Result {
     }
     print(&describe(&rendered))?;
     Ok(0)
+}
+
+/// Makes a failure of an error with an output folder; where there is none, it tells what to give.
+fn of_folder(dir: &Path) -> impl Fn(ViewError) -> Failure + '_ {
+    move |error| {
+        let failure = Failure::new(OUTPUT, error.to_string());
+        let is_run = dir.join("frames").is_dir();
+        if is_run { failure } else { failure.help("give the output folder of a run, such as out/my-scene") }
+    }
 }
 
 /// Makes the page of a run.
@@ -109,7 +118,7 @@ pub fn pictures(dir: &Path, options: &RenderOptions, quiet: bool) -> Result<Rend
         bar.set_position(done as u64);
     });
     bar.finish_and_clear();
-    rendered.map_err(|e| Failure::new(OUTPUT, e.to_string()))
+    rendered.map_err(of_folder(dir))
 }
 
 /// The location of the pictures as text.
@@ -137,7 +146,7 @@ pub fn describe(rendered: &Rendered) -> String {
 /// Makes the page. Returns its path.
 pub fn make_page(dir: &Path, every: u32, max_mb: f64) -> Result<PathBuf> {
     let options = PageOptions { every: every as usize, max_mb, ..PageOptions::default() };
-    let report = meniscus_view::make_page(dir, &options).map_err(|e| Failure::new(OUTPUT, e.to_string()))?;
+    let report = meniscus_view::make_page(dir, &options).map_err(of_folder(dir))?;
     let megabytes = report.bytes as f64 * 1e-6;
     if megabytes > max_mb {
         eprintln!(

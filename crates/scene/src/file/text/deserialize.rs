@@ -109,6 +109,7 @@ impl serde::de::Error for ReadError {
             "format" => {
                 "add `format = 1`, the version of the scene format, at the top of the file".to_owned()
             }
+            key if SCENE_TABLES.contains(&key) => format!("add the table `[{key}]` to the scene"),
             key => format!("add `{key} = …` to this table"),
         };
         Self::new(format!("the key `{key}` is missing"), help)
