@@ -20,7 +20,7 @@ pub struct State<const D: usize> {
     pub velocity_lead: f64,
     /// Impulse time of the last step: time for which its forces acted, s.
     pub impulse_time: f64,
-    /// Length up to which the next step meets no contacts other than those found, s.
+    /// Largest length of the next step, s: within it no solids collide and no element inverts.
     pub collision_free_dt: f64,
     /// Estimated displacement of the interface since the last redistancing of the whole band, in cells.
     pub displacement_since_redistancing: f64,
@@ -125,7 +125,7 @@ impl<const D: usize> State<D> {
         self.outflow_kinetic_energy + self.outflow_stored_energy
     }
 
-    /// Pressure in a liquid cell, Pa (2D: N/m), for the given density of the liquid, kg/m³.
+    /// Pressure in a liquid cell, Pa, for the given density of the liquid, kg/m³.
     pub fn pressure(&self, density: f64, cell: usize) -> f64 {
         self.pressure_impulse.data[cell] * density / self.impulse_time
     }

@@ -6,7 +6,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::{BoundaryExtension, FaceField, Grid, VelocitySampler};
 
 /// Bond number of a cell, `ρ g Δ²/γ` in 1/cells², above which the grid does not resolve the capillary length (three cells).
-/// Beyond it the balanced weight falls off, because the curvature filter would take it for noise.
+/// Beyond it the weight in the energy is reduced, because the curvature filter would take it for noise.
 const MAX_RESOLVED_CELL_BOND: f64 = 0.1;
 
 /// Boundary condition of a side of the domain.
@@ -72,7 +72,7 @@ pub struct Numerics {
     /// `young_cosine` should then be 0, so that the contact angle is 90 degrees.
     pub contact_line: bool,
     /// Distance, m, from the contact line on deformable solids over which its force is spread evenly (the paper's R). With 0
-    /// the force acts at the line, and the lift of a thick solid depends on the mesh.
+    /// the force acts at the line, and the height of the ridge on a thick solid depends on the mesh.
     pub line_radius: f64,
     /// Least number of Newton iterations after the first if any solid is free or deformable; each repeats the
     /// pressure solve.
@@ -145,7 +145,7 @@ impl<const D: usize> Model<D> {
         self.solids.iter().zip(states).filter_map(of)
     }
 
-    /// Vector Bond number of a cell, `−ρ g Δ²/γ` in 1/cells²: the liquid's weight as balanced beside solids; zero without solids.
+    /// Bond vector `−ρ g Δ²/γ`, 1/cells²: the weight in the energy, reduced above [`MAX_RESOLVED_CELL_BOND`]; zero without solids.
     pub(crate) fn cell_bond_vector(&self) -> Vector<D> {
         if self.solids.is_empty() || self.surface_tension <= 0.0 {
             return Vector::zeros();

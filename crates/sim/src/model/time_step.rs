@@ -35,7 +35,7 @@ pub struct StepTimes {
 /// ratio; one that follows a growing speed (`r` > 0.8) is above it. With 0.25 a single step may fall to 0.62.
 const MIN_IMPULSE_TIME_RATIO: f64 = 0.25;
 
-/// Impulse time at the end of a step (leapfrog with variable step length), within 0.5 and 1.5 times `dt`.
+/// Impulse time of a step of length `dt`, s (leapfrog with variable step length), between 0.5 and 1.5 times `dt`.
 pub fn impulse_time(velocity_lead: f64, dt: f64) -> f64 {
     unbounded_impulse_time(velocity_lead, dt).clamp(0.5 * dt, 1.5 * dt)
 }

@@ -50,7 +50,7 @@ pub struct Diagnostics<const D: usize> {
     pub divergence_max: f64,
 }
 
-/// Result of a step.
+/// Report of an accepted step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepReport<const D: usize> {
     /// Step length, s.
@@ -106,7 +106,7 @@ pub fn measure_components<const D: usize>(
                 target_volume: change.target_volumes[c],
                 volume: change.volumes[c],
                 centroid: motion.center,
-                // Outermost cell centres, or the side behind them; the interface positions follow.
+                // The box of the cell centres is extended to a side next to it; the loop below extends it to the interface.
                 lower: low.map(|x| if x < 1.5 * half { 0.0 } else { x }),
                 upper: Vector::from_fn(|a, _| {
                     let side = model.grid.domain_upper()[a];

@@ -1,6 +1,6 @@
 //! A step with the scheme of the paper ([`crate::paper`]), on the state and the workspace of a simulation.
 //!
-//! Level set, velocity and solids are those of the state; positions and velocities are of the same time, so that the velocity's lead is zero.
+//! Level set, velocity and solids are those of the state. Positions and velocities are of the same time: the velocity lead is zero.
 //! The volumes are measured as in the other scheme, and the scheme corrects the sum of all components: their targets are their volumes
 //! times one factor. Liquid cells, band and cut cells are found anew after the step, for measurements and output.
 //!
@@ -20,7 +20,7 @@ use meniscus_numerics::linalg::SolveError;
 
 /// Longest step over the explicit capillary limit: the forces of lines are explicit.
 const MAX_CAPILLARY_STEP: f64 = 1.0;
-/// Longest step over the limit of the explicit viscosity.
+/// Longest step over the limit of the explicit viscosity, `Δ²/(2 D ν)`; the rest is a margin.
 const MAX_VISCOUS_STEP: f64 = 0.8;
 
 /// Longest step that the explicit terms of the scheme of the paper allow, s; no bound for the other scheme.

@@ -109,7 +109,7 @@ record! {
     volume_residual: max of Ratio,
     /// Newton iterations of solids with an indefinite Hessian, which was replaced by its positive part.
     indefinite_iterations: count of Count,
-    /// Largest fraction of the liquid's weight that the curvature filter beside solids neglects.
+    /// Largest fraction of the liquid's weight that the energy of the dual cells leaves out because the cells are too large.
     weight_left_out: max of Ratio,
     /// Rounds of impacts whose Gauss–Seidel iteration did not converge within the largest number of sweeps.
     contact_sweeps: count of Count,

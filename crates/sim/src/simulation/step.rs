@@ -31,7 +31,7 @@ use meniscus_numerics::grid::Sampler;
 use meniscus_numerics::linalg::SolveError;
 use meniscus_numerics::par;
 
-/// Result of a step.
+/// Result of a step that is not accepted yet.
 pub struct StepResult {
     /// The solves, those of the last Newton iteration if there are any.
     pub solves: FlowSolves,
@@ -272,7 +272,7 @@ fn move_solids<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &mu
     work.update_solids(model, state);
 }
 
-/// Adds gravity to the velocity.
+/// Adds gravity for `dt` (s) to the velocities of liquid and free rigid solids; deformable solids have it among their loads.
 fn apply_gravity<const D: usize>(model: &Model<D>, state: &mut State<D>, work: &Workspace<D>, dt: f64) {
     for (now, solid) in state.solids.iter_mut().zip(&model.solids) {
         if let Some(rigid) = solid.free_rigid_mut(now) {

@@ -97,7 +97,7 @@ struct StepStart {
 
 /// Decision on a step that has been taken.
 enum Verdict {
-    /// It counts; if it is doubtful, it is too short to be tried once more.
+    /// It is accepted. A doubtful one is not tried again: it is too short, of fixed length, or of the paper's scheme.
     Accepted { doubtful: bool },
     /// It is tried once more with half its length.
     Doubtful,
@@ -292,8 +292,8 @@ impl<const D: usize> Simulation<D> {
         })
     }
 
-    /// Judges a step of `dt` (s) from the state after it: it fails where the liquid runs away, and is doubtful where energy or
-    /// volume appears, until it is short enough.
+    /// Judges a step of `dt` (s) from the state after it: it fails where the liquid moves too far, and is doubtful where energy is gained
+    /// or a volume has changed, until it is short enough.
     fn judge(&self, start: &StepStart, result: &StepResult, dt: f64) -> Verdict {
         let (model, state) = (&self.model, &self.state);
         let displacement_cells = max_velocity_component(model, state, &self.workspace) * dt / model.grid.dx;

@@ -25,7 +25,7 @@ const REDISTANCE_DISPLACEMENT_CELLS: f64 = 0.7;
 /// Layers of the band redistanced in every step: the stencil of the curvature.
 const REDISTANCE_LAYERS: usize = 6;
 
-/// Value of φ, in cells, for deleted residue in a solid: air, and changed as little as possible.
+/// Value of φ, in cells, that deleted liquid gets: positive, which is air, and so small that φ changes as little as possible.
 const RESIDUE_PHI_CELLS: f64 = 0.01;
 
 /// Relaxation factor of redistancing within solids. No force smooths φ there, and redistancing inverts a zigzag of two cells'
@@ -76,7 +76,7 @@ fn component_volumes<const D: usize>(model: &Model<D>, state: &State<D>, work: &
     work.volume_correction(model, &labels).measure(&state.phi).volumes
 }
 
-/// Redistances φ: near the interface in every step, in the whole band if the interface has moved enough or |∇φ| is wrong.
+/// Redistances φ near the interface in every step, in the whole band if it has moved enough or |∇φ| is wrong in 1 % of its cells.
 ///
 /// The curvature is only as smooth as φ, and noise of the advection that persists grows: the frequency of a drop is then wrong by 5 %,
 /// with redistancing in every step by 0.3 %.

@@ -188,8 +188,8 @@ impl<const D: usize> Workspace<D> {
         }
     }
 
-    /// Flags components that have leaked through a solid: open faces connect none of their cells to liquid that was within reach. Within a
-    /// wall φ is extended from the nearer side, and where liquid on one side ends, that on the other may claim a cell of it.
+    /// Flags components that have leaked through a solid: open faces connect none of their cells to liquid that was within reach. In a thin
+    /// solid φ is extended from the nearer side, and where liquid on one side ends, that on the other may claim a cell of it.
     fn leaked_components(&self, model: &Model<D>, before: &Runs, reach: usize) -> Vec<bool> {
         if self.cut_cells.cells.is_empty() {
             return Vec::new();
@@ -297,7 +297,7 @@ impl<const D: usize> Workspace<D> {
         }
     }
 
-    /// Contacts of each component.
+    /// Contacts of each component. It touches a side if one of its cell centres lies within 0.75 cells of it.
     pub fn component_contacts(&self, model: &Model<D>) -> Vec<ComponentContacts> {
         let (near, [first, last]) = (0.75 * model.grid.dx, model.grid.bounds());
         let at_side = |(low, high): &(Vector<D>, Vector<D>)| {
@@ -323,7 +323,7 @@ impl<const D: usize> Workspace<D> {
         touching
     }
 
-    /// Fraction of the solid surface wetted by each component that faces the directions of its projector in `parts`.
+    /// For each component the fraction of the solid surface it wets that faces the directions of its projector in `parts`.
     pub fn facing_wetted_fraction(&self, parts: &[Matrix<D>]) -> Vec<f64> {
         let label = self.liquid.component_lookup(&self.cut_cells.open_fraction.grid);
         let mut sums = vec![(0.0, 0.0); parts.len()];
