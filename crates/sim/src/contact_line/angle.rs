@@ -19,7 +19,7 @@ const FLAT_DROP_HEIGHT_FRACTION: f64 = 0.4;
 const TRACE_STEP_CELLS: f64 = 0.5;
 /// Maximum number of tracing steps.
 const MAX_TRACE_STEPS: usize = 40;
-/// Newton iterations to the foot of an arc.
+/// Number of Newton iterations to the foot of an arc.
 const FOOT_ITERATIONS: usize = 6;
 /// Maximum arc length of the fit, in cells.
 const MAX_FIT_ARC_CELLS: f64 = 6.0;

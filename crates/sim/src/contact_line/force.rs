@@ -4,7 +4,7 @@
 //! along its surface it feels `γ cos θ_c t` with the angle of the energy: Young's, or with hysteresis that of
 //! [`super::hysteresis`]. The unbalanced tangential part accelerates the liquid. The tangential force on a
 //! plane wall with one angle adds up to zero, as the energy does not change when the liquid moves along it. In
-//! equilibrium both parts together are the tension of the free surface, `γ t_la`.
+//! equilibrium both parts together are the tension `γ t_la` of the free surface, with its tangent `t_la` away from the line.
 //!
 //! The dual cells give these forces to a percent or two. For a component of liquid that touches only solids the
 //! sum is known exactly: it balances the capillary impulse on the liquid. The difference normal to the solids
@@ -38,8 +38,7 @@ struct LinePulls<const D: usize> {
     lengths: BTreeMap<ComponentSolid, (f64, Vector<D>)>,
     /// Load points of the lines on deformable solids.
     loads: BTreeMap<ComponentSolid, Vec<LineLoad<D>>>,
-    /// Pieces of all lines, and of the surface's rims at sides of the domain; each has its part of the surface around it.
-    /// Positions, m, and impulses over `γ h Δ^(D−2)`.
+    /// Pieces of all lines: positions, m, and impulses over `γ h Δ^(D−2)`.
     pieces: Vec<(Vector<D>, Vector<D>)>,
 }
 
@@ -67,9 +66,9 @@ fn pull_projector<const D: usize>(across: &Matrix<D>) -> Matrix<D> {
     Matrix::from_fn(|i, j| part[(i, j)])
 }
 
-/// The sum over each component's lines of the projector onto the normals of the solids around them: the mean over the
-/// solids' surface in the cells between which a piece of a line lies, the only ones on which its energy depends. Beside an
-/// edge it contains the normals of both faces.
+/// For each component the sum over its lines of projectors onto the normals of the solids. That of a piece is the mean over the
+/// solids' surface in the cells at the corners of its dual cell, the only ones on which its energy depends; beside an edge it
+/// contains the normals of both faces.
 fn normal_projectors<const D: usize>(
     dual_cells: &[DualCell],
     wet: &[CutCell<D>],
@@ -266,7 +265,8 @@ impl<const D: usize> ContactLineForces<'_, D> {
         LinePulls { impulses, lengths, loads, pieces }
     }
 
-    /// Adds the imbalance of the free surface around each piece of the lines to the load points on deformable solids.
+    /// Adds the imbalance of the free surface around each piece of the lines to the load points on deformable solids. The rims of
+    /// the surface at sides of the domain are pieces, too: each has its part of the surface around it.
     fn add_local_balance<'f>(
         &self,
         impulse_time: f64,

@@ -16,7 +16,7 @@ use std::collections::HashMap;
 /// were wrong by a tenth of the tension).
 const FULL_SHARE_DISTANCE_CELLS: f64 = 4.0;
 const ZERO_SHARE_DISTANCE_CELLS: f64 = 6.0;
-/// Largest distance from the interface, in cells, of cells that it cuts.
+/// Distance from the interface, in cells, beyond which a cell is no corner of a dual cell that the interface crosses.
 const MAX_INTERFACE_DISTANCE_CELLS: f64 = 2.0;
 
 /// The cells near pieces of contact lines.
@@ -74,7 +74,8 @@ impl LineNeighbourhood {
         Self(near)
     }
 
-    /// Adds for each piece the force of the rest of the surface on the part near it, over `γ Δ^(D−2)`.
+    /// Adds for each piece the force of the rest of the surface on the part near it, over `γ Δ^(D−2)`: `−Σ A (1 − ν νᵀ) ∇s` over the
+    /// dual cells, with the area `A` and the normal `ν` of the surface in each and the share `s`.
     pub fn add_tension<const D: usize>(&self, phi: &[f64], dual_cells: &[DualCell], sums: &mut [Vector<D>]) {
         let slope = |k: usize, a: usize| (if k >> a & 1 == 1 { 1.0 } else { -1.0 }) / (1 << (D - 1)) as f64;
         for cube in dual_cells.iter().filter(|c| c.area > 0.0) {

@@ -213,7 +213,7 @@ fn filter_curvature<const D: usize>(
     step: &FilterStep<D>,
     repairs: &mut Repairs,
 ) -> Vec<f64> {
-    // All that is added to the curvature need be known to its tolerance alone.
+    // Whatever is added to the curvature needs only the absolute accuracy of the curvature itself.
     let scale = graph.norm_squared(raw);
     let mut filter = |values: &[f64], width: f64| {
         let scale = scale.max(graph.norm_squared(values));
@@ -226,7 +226,7 @@ fn filter_curvature<const D: usize>(
     };
     let mut filtered = filter(raw, filter_width(step.capillary_cfl_squared, BASE_FILTER_CELLS4));
     if step.capillary_cfl_squared > 0.0 {
-        // F (r − F r): the waves that the step does not resolve; r is the change of the curvature in the step.
+        // F (r − F r), with the change r of the curvature in the step, holds the waves that the step does not resolve.
         let strength = filter_width(step.capillary_cfl_squared, DAMPING_FILTER_CELLS4);
         let stretch = (DAMPING_TIME / step.capillary_cfl_squared.sqrt()).max(1.0);
         let rate = curvature_rate(graph, &step.displacements, stretch);

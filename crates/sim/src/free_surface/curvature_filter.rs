@@ -1,4 +1,4 @@
-//! The implicit biharmonic filter on the cells of the free surface.
+//! The implicit biharmonic filter `F = (W + s² L W⁻¹ L)⁻¹ W` ([`super::curvature`]) on the cells of the free surface.
 
 use meniscus_numerics::grid::{Band, Grid};
 use meniscus_numerics::par;

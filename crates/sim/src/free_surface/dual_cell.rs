@@ -10,7 +10,7 @@ use meniscus_numerics::{Matrix, Vector};
 /// The liquid in a dual cell, in units of the cell size.
 #[derive(Clone, Debug)]
 pub struct DualCell {
-    /// Cell of each corner (beyond a wall its mirror image; in 2D the last four are `u32::MAX`).
+    /// Cell of each corner (beyond a side its mirror image; in 2D the last four are `u32::MAX`).
     pub corners: [u32; 8],
     /// Bit mask of the corners that are liquid cells.
     pub liquid_corners: u8,
@@ -27,7 +27,7 @@ pub struct DualCell {
     pub energy_slope: [f64; 8],
     /// −∂volume/∂φ at each corner.
     pub volume_slope: [f64; 8],
-    /// Index of the solid in the cube, if any.
+    /// Index of the solid in the cube; `u32::MAX` if there is none.
     pub solid: u32,
     /// Cosine of its contact angle.
     pub contact_cosine: f64,

@@ -2,15 +2,15 @@
 //!
 //! On cubes between cell centres the area `A` of the free surface, the wetted area `W` of the solids, and the volume `V` are
 //! functions of the cell values. The surface energy over the tension is `E = A − W cos θ`, with `cos θ = (γ_sa − γ_ls)/γ_la`
-//! (Young), and `∂E/∂φ_c / ∂V/∂φ_c` is the curvature, that of the contact line included. Walls mirror: a cube that reaches beyond
-//! a wall counts half.
+//! (Young), and `∂E/∂φ_c / ∂V/∂φ_c` is the curvature, that of the contact line included. Sides mirror: a cube that reaches beyond
+//! a side counts half.
 //!
-//! If the scene has any solid, the energy includes gravity everywhere, `E = A − W cos θ + ∫ w·x dV` with
+//! If the model has any solid, the energy includes gravity everywhere, `E = A − W cos θ + ∫ w·x dV` with
 //! `w = −ρ g/γ`. In equilibrium the ratio is then the same constant everywhere, however large a part of the
-//! surface a cell represents, and the curvature is the ratio minus `w·x`. Without gravity the surface within
-//! two cells of a wall got the curvature of a cell farther off, and a meniscus of 8 cells a capillary length
-//! was 4 % too low. Limit: liquid in free fall with its solid has no hydrostatic pressure; the angle of a
-//! drop with Bo = 1 on a falling plate is wrong by half a degree (28 cells a radius).
+//! surface a cell represents, and the curvature is the ratio minus `w·x`. Without gravity in the energy the surface
+//! within two cells of a wall got the curvature of a cell farther off, and a meniscus with a capillary length of 8
+//! cells was 4 % too low. Limit: liquid in free fall with its solid has no hydrostatic pressure; the angle of a drop
+//! with Bo = 1 and a radius of 28 cells on a falling plate is wrong by half a degree.
 
 use super::dual_cell::{CornerComponents, DualCell, SimplexSplit, away_from_zero, distribute};
 use meniscus_numerics::grid::{Band, CutCells, Grid, Lattice, Runs, Segment, box_rows, segment_points};
@@ -28,7 +28,7 @@ pub struct DualGrid<const D: usize> {
     bond_vector: Vector<D>,
 }
 
-/// A dual cell that a solid cuts.
+/// A dual cell that a solid cuts; `key` is its index in the lattice of dual cells.
 struct SolidDualCell {
     key: u32,
     /// The cells of its corners.
@@ -119,7 +119,7 @@ impl<const D: usize> DualGrid<D> {
         segment_points(&cubes, row).filter_map(cut).collect()
     }
 
-    /// Keys of the dual cells that the surface crosses or in which liquid wets a solid, in order of memory. Only the signs of `phi` are used.
+    /// Keys, ascending, of the dual cells that the surface crosses or in which liquid wets a solid. Only the signs of `phi` are used.
     pub fn interface_keys(&self, phi: &[f64], band: &Band<D>) -> Vec<u32> {
         let cubes = self.lattice();
         let cells = self.grid.lattice();
@@ -202,8 +202,8 @@ impl<const D: usize> DualGrid<D> {
         Lattice::new(self.grid.cells.map(|n| n + 1))
     }
 
-    /// The cells of a cube's corners; a corner beyond a wall is a mirror image. `at` is one more than the lower corner, so that
-    /// cubes beyond the lower walls have 0.
+    /// The cells of a cube's corners; a corner beyond a side is a mirror image. `at` is one more than the lower corner, so that
+    /// cubes beyond the lower sides have 0.
     fn corners(&self, at: [usize; D]) -> [u32; 8] {
         let cells = self.grid.lattice();
         std::array::from_fn(|k| if k < 1 << D { cells.index(self.corner(at, k)) as u32 } else { u32::MAX })
@@ -274,7 +274,7 @@ impl<const D: usize> DualGrid<D> {
     /// Moves a cube from the unit cube to its position.
     fn move_to_grid(&self, cube: &mut DualCell, at: [usize; D]) {
         let last = self.grid.cells;
-        // The centre of the half of a mirrored cube that is in the domain is a quarter of a cell from the wall.
+        // The centre of the half of a mirrored cube that is in the domain is a quarter of a cell from the side.
         let from_origin = |a: usize, i: f64| self.grid.domain_coordinate_cells(a, i);
         let shift = Vector::<D>::from_fn(|a, _| match at[a] {
             0 => from_origin(a, 0.25),
@@ -328,8 +328,8 @@ impl<const D: usize> DualGrid<D> {
         sums.into_iter().enumerate().map(center).collect()
     }
 
-    /// Number of cells of each component, and sum of their centres, in cells; half of a cell at a wall counts half-way to the
-    /// wall.
+    /// Number of cells of each component, and sum of their centres, in cells. The outer half of a cell at a side counts half-way
+    /// between its centre and the side.
     fn cell_counts(&self, liquid: &Runs) -> Vec<(f64, Vector<D>)> {
         let cells = self.grid.lattice();
         let mut sums = vec![(0.0, Vector::zeros()); liquid.components as usize];
@@ -354,7 +354,7 @@ impl<const D: usize> DualGrid<D> {
     }
 }
 
-/// Newton iterations to the common zero of two fields.
+/// Number of Newton iterations to the common zero of two fields.
 const CROSSING_ITERATIONS: usize = 4;
 
 /// Point of the unit cube, near its middle, where two fields with these values at the corners are both zero.

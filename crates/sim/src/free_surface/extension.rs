@@ -41,12 +41,12 @@ const MAX_PHI_DEPTH_RATIO: f64 = 1.5;
 const UNCLEAR_PHI_DEPTH_RATIO: f64 = 0.5;
 /// Depth, in cells, up to which a surface steeper than 45 degrees that reaches a cell passes between its open neighbours.
 const SHALLOW_DEPTH_CELLS: f64 = 0.6;
-/// Depth, in cells, below what a solid uncovers in a step, from which on a cell may take the opposite continuation. A cell that
-/// comes nearer to a side by more than that in a step takes the sign of that side at once.
+/// Depth, in cells, in excess of what a solid uncovers in a step, above which a cell may take the opposite continuation. A cell that
+/// becomes shallower by more than this in a step takes the sign of its side at once.
 const MIN_COVERED_DEPTH_CELLS: f64 = 0.25;
 /// Smallest sine of the angle of the continuation.
 const MIN_CONTINUATION_SINE: f64 = 0.25;
-/// Bound of its turning per cell of depth, rad: a surface with a radius of two cells.
+/// Bound of the continuation's turning per cell of depth, rad: that of a surface with a radius of two cells.
 const MAX_TURN_PER_CELL: f64 = 0.5;
 
 /// A cell with its centre in a solid, and where the surface's continuation through it leaves the solid.
@@ -62,7 +62,7 @@ pub struct GhostCell<const D: usize> {
     is_closed: bool,
     /// Whether the solid uncovers it before stale values have faded.
     is_exposed: bool,
-    /// Whether it then may hold a value of the opposite side: it is shallow, and its solid is thin.
+    /// Whether it may also hold a value of the opposite side: it is exposed and shallow, and its solid is thin.
     thin: bool,
     /// Normal of the nearest side where the continuation is that of the opposite side of a thin solid.
     nearest_normal: Option<Vector<D>>,
@@ -141,7 +141,7 @@ impl<const D: usize> InterfaceSampler<'_, D> {
         let Some(far) = self.opposite_side(x, &near) else { return Some(own) };
         let (exit_point, phi_scale) = self.exit_point(x, &far);
         let there = seen(&exit_point);
-        // The sign change within the solid is farther from the exit point than this.
+        // A surface nearer to the exit point than this is real: the sign change within the solid is farther away.
         let takes_opposite = there.abs() < SAMPLE_HEIGHT_CELLS || (here > 0.0 && there < 0.0);
         Some(if takes_opposite {
             GhostCell { exit_point, phi_scale, nearest_normal: Some(normal), ..own }
@@ -212,8 +212,8 @@ pub struct ExtensionResult {
     pub overwritten_phi: Vec<(u32, f64)>,
 }
 
-/// Relaxes φ in the band's cells within solids to the surface's continuation; `before` are the solids before they moved, `surfaces` those of
-/// the solids now.
+/// Relaxes φ in the band's cells within solids to the surface's continuation. `before` are the solids before they moved, `surfaces` the
+/// surfaces of the solids now.
 pub fn extend_into_solids<const D: usize>(
     state: &mut State<D>,
     band: &Band<D>,

@@ -5,7 +5,7 @@ use crate::model::Model;
 use meniscus_numerics::grid::{Band, CellField, CutCells, Sampler};
 use meniscus_numerics::par;
 
-/// Smallest distance of the interface from the liquid's cell centre, as a fraction of a cell.
+/// Smallest distance of the interface from the liquid's cell centre, as a fraction of a cell: the pressure system divides by it.
 const MIN_THETA: f64 = 0.02;
 /// Maximum number of iterations to the root of a cubic; each shrinks its bracket.
 const MAX_ROOT_ITERATIONS: usize = 30;
