@@ -1,4 +1,4 @@
-//! Semi-Lagrangian advection of the interface and the velocity along third-order Runge–Kutta paths.
+//! Semi-Lagrangian advection of φ and `u`: their new values at `x` are those at the departure point of the path to `x` ([`super::paths`]).
 
 use super::paths::{Beside, CellPaths, departure_point, pack};
 use crate::model::Model;
@@ -24,8 +24,8 @@ const STENCIL_REACH_CELLS: f64 = 3.0;
 
 /// Advected values of φ in the segments of the band, one behind the other.
 ///
-/// φ within a solid continues the surface of one side. A cell near a thin solid therefore reads only the values that open faces connect to it, if
-/// these have one sign: else the surface of one side would appear on the other (experiment E36).
+/// φ within a solid continues the surface of one side. If the values that open faces connect to a cell near a solid have one sign, the
+/// cell reads only these: else the surface of one side would appear on the other (experiment E36).
 ///
 /// In a gap of one cell between two fronts the extended velocity is their mean, close to zero, so that the air cushion would never
 /// close. There each front moves with the velocity of the adjacent liquid cell, and the nearer front counts.
@@ -167,8 +167,8 @@ fn own_side<const D: usize>(cut: &CutCells<D>, at: [usize; D], first: [isize; D]
     cut.connected_cells(at, [low, high]).iter().filter(outside).map(|p| 1 << bit(p)).sum()
 }
 
-/// Depth, in cells, up to which the interpolation of the velocity along an axis reads extrapolated values: faces up to two cells away, where
-/// faces are known to half a cell beyond the interface. Limit: the departure points of deeper liquid are not corrected.
+/// Depth, in cells, up to which the interpolation of the velocity along an axis reads extrapolated values: it reads faces up to two cells
+/// away, and faces are known to half a cell beyond the interface. Limit: the departure points of deeper liquid are not corrected.
 const EXTRAPOLATION_REACH_CELLS: f64 = 1.5;
 
 /// The signed distance before a step and after it.

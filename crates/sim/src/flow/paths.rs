@@ -1,8 +1,8 @@
 //! Paths of the liquid through the velocity field, by Ralston's third-order Runge–Kutta method.
 //!
-//! A path that arrives at `x` with the velocity `u` began at `x − dt u − b`. The bend `b` holds the terms of second and third order. Bends
-//! are found at the centres of cells; at a face the mean of those of the two cells beside it is used. Limit: the mean differs from the bend of
-//! a path of the face's own by terms of second order in the cell size and in the step.
+//! A path that arrives at `x` with the velocity `u` began at `x − dt u − b`. The bend `b` holds the terms of second and third order.
+//! Bends are found at the centres of cells; a face takes the mean of those of the two cells beside it. Limit: the mean differs from the
+//! bend of the face's own path by terms of second order in the cell size and in the step.
 
 use meniscus_numerics::grid::{Grid, Lattice, Runs, Segment, VelocitySampler};
 use meniscus_numerics::lanes::{Instructions, LANES, LaneWork, Lanes, VectorLanes, run_with_widest};
@@ -16,8 +16,8 @@ pub(crate) trait Linear:
 }
 impl<V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>> Linear for V {}
 
-/// Terms of second and third order in `dt` of the displacement, m, along the path that arrives at `x` with the velocity `arrival`, by Ralston's
-/// third-order Runge–Kutta method. The term of first order is `dt · arrival`.
+/// Terms of second and third order in `dt` of the displacement, m, along the path that arrives at `x` with the velocity `arrival`, by
+/// Ralston's third-order Runge–Kutta method. The term of first order is `dt · arrival`.
 #[inline(always)]
 fn path_bend<V: Linear>(x: V, arrival: V, dt: f64, velocity: impl Fn(&V) -> V) -> V {
     let second = velocity(&(x - arrival * (0.5 * dt)));
@@ -103,7 +103,7 @@ pub(super) struct Beside<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Beside<'a, D> {
-    /// Beside the faces normal to `axis` from the place `at` on.
+    /// The bends beside the faces normal to `axis`, from the place `at` on.
     pub(super) fn new(paths: &'a CellPaths<D>, cells: &Lattice<D>, axis: usize, mut at: [usize; D]) -> Self {
         let of = |at: [usize; D]| paths.from(cells.index(at) / cells.extent[0], at[0]);
         let has_upper = axis == 0 || at[axis] < cells.extent[axis];

@@ -1,7 +1,7 @@
 //! Pressure projection: one solve that makes the velocity divergence-free.
 //!
 //! The unknown is the pressure impulse `λ = p h / ρ` (m²/s) in the liquid cells. At the interface, a fraction θ of a cell from the
-//! centre of the liquid cell, `p = γ κ` (ghost fluid: Gibou et al. 2002; Enright et al. 2003). For a liquid cell
+//! centre of the liquid cell, `λ_I = γ κ h/ρ` (ghost fluid: Gibou et al. 2002; Enright et al. 2003). For a liquid cell `i`
 //! `Σ (λ_i − λ_j) + Σ (λ_i − λ_I)/θ = −Δ Σ ± u*`, which is symmetric and positive definite wherever a component has a free surface.
 //! Viscosity acts on the resulting velocity. A second solve of a few iterations removes the divergence that viscosity leaves, and with
 //! the corrections from the first solution ([`second_order_corrections`]) makes the velocity at the interface as accurate as inside.
@@ -183,7 +183,7 @@ impl<const D: usize> PressureFields<D> {
 }
 
 impl<const D: usize> AssembledFields<D> {
-    /// Prepares the system. Dragged faces have a smaller coefficient. The lumped compliance of the bodies is added to the Dirichlet
+    /// Prepares the system. Dragged faces have a smaller coefficient. The lumped compliance of the solids is added to the Dirichlet
     /// coefficients; the system subtracts it again.
     fn prepare<'a>(
         &mut self,
@@ -290,7 +290,7 @@ struct NodeMotion<const D: usize> {
 }
 
 impl<const D: usize> NodeMotion<D> {
-    /// Takes other impulses. A solve is made if they differ from the last ones.
+    /// Sets the impulses, and solves for the velocity changes if they differ from the last ones.
     fn respond(&mut self, response: Option<&SolidResponse<D>>, impulses: Vec<Vector<D>>) {
         if let Some(response) = response.filter(|_| impulses != self.impulses) {
             self.velocity_change = response.velocity_change(impulses.clone());
@@ -319,7 +319,7 @@ fn impulses_without_pressure<const D: usize>(
     )
 }
 
-/// Velocity change of dragged interface faces by surface tension and `corrections`, m/s, by axis and face.
+/// Velocity, m/s, that surface tension and `corrections` take from dragged interface faces, times their volumes in cells, by axis and face.
 fn tension_velocity_change<const D: usize>(
     model: &Model<D>,
     p: &Projection<'_, D>,
@@ -337,7 +337,7 @@ fn tension_velocity_change<const D: usize>(
     p.interface_faces.iter().enumerate().filter(is_dragged).map(push).collect()
 }
 
-/// Velocity of dragged faces before the pressure acts.
+/// Applies the drag of the contact lines to the velocity, before the pressure acts.
 fn apply_line_drag<const D: usize>(p: &mut Projection<'_, D>) {
     for f in p.dragged_faces.iter() {
         let u = &mut p.velocity.axes[f.axis][f.face];
@@ -395,7 +395,7 @@ fn second_order_corrections<const D: usize>(model: &Model<D>, p: &Projection<'_,
     par::map_slice(p.interface_faces, 256, bend)
 }
 
-/// Adds `sign` times the velocity change by the pressure, minus its gradient, on the liquid's faces.
+/// Adds `sign` times the velocity change by the pressure, `−∇λ`, on the liquid's faces.
 fn apply_pressure_gradient<const D: usize>(
     model: &Model<D>,
     p: &mut Projection<'_, D>,

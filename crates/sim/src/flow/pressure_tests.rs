@@ -8,7 +8,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::grid::Grid;
 use std::f64::consts::PI;
 
-/// A potential without flow through the walls.
+/// A potential without flow through the sides.
 fn potential<const D: usize>(x: &Vector<D>) -> f64 {
     (PI * x[0]).cos() * (PI * x[D - 1]).cosh()
 }

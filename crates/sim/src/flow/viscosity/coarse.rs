@@ -8,13 +8,12 @@ use super::cells::{CellList, tensor_product};
 use super::operator::{CELLS_PER_TASK, Cell, ViscousOperator};
 use meniscus_numerics::{par, rotation_planes};
 
-/// Largest `ν h/Δ²` of the coarsest grid, and of systems that need none: there polynomials alone take as long.
+/// Largest `ν h/Δ²` of the coarsest grid. A system up to it needs no coarser one: a polynomial alone takes no longer.
 pub const COARSEST_STIFFNESS: f64 = 3.0;
 
-/// Weights of the finer control volumes of which three lie in the cube around a coarse one, along the axes for which one of them lies in its
-/// middle and two on its boundary.
+/// Weights of the finer control volumes in a coarse one along axes with three of them: one in its middle and two on its boundary.
 const CENTERED: &[f32] = &[0.25, 0.5, 0.25];
-/// The same along the axes for which two lie in it.
+/// The same along axes with two of them.
 const PAIRED: &[f32] = &[0.0, 0.5, 0.5];
 
 /// The operator of listed cells.

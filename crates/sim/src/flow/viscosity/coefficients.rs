@@ -175,7 +175,7 @@ impl<'a, const D: usize> Builder<'a, D> {
         if share < MIN_LIQUID_FRACTION { 0.0 } else { share }
     }
 
-    /// Mass of the lower face along `a`.
+    /// Mass of the lower face along `a`, in cells; on a side it is at most half a cell's.
     fn face_mass(&self, at: [usize; D], a: usize) -> f64 {
         let cells = self.model.grid.lattice();
         let side = at[a] == 0 || at[a] == cells.extent[a];

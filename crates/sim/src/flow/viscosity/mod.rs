@@ -11,7 +11,7 @@
 //! this step and the projection are symmetric in nearly the same inner product. Faces outside the liquid that a
 //! term needs are unknowns without mass, which follow the liquid.
 //!
-//! Walls and solids are frictionless: edges on sides or in solids carry no shear, and faces on closed sides keep their velocity. In cut
+//! Sides and solids are frictionless: edges on sides or in solids carry no shear, and faces on closed sides keep their velocity. In cut
 //! cells fractions and masses are those of the open part. Faces closed by solids have no mass and follow the liquid; as fixed values
 //! they made drops glide.
 

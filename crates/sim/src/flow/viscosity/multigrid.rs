@@ -1,7 +1,7 @@
 //! Preconditioners of the viscous step where it is stiff: Chebyshev polynomials and multigrid.
 //!
 //! Within liquid the eigenvalues of the operator divided by its diagonal lie between `1/(1 + 8 ν h/Δ²)` and 4. Up to
-//! [`COARSEST_STIFFNESS`](super::coarse::COARSEST_STIFFNESS) a Chebyshev polynomial for this range, of a degree that keeps the iterations of
+//! [`COARSEST_STIFFNESS`](super::coarse::COARSEST_STIFFNESS) a Chebyshev polynomial for this range, whose degree keeps the iterations of
 //! conjugate gradients at about ten, costs no more than the diagonal alone. Beyond, a W-cycle over systems of the same form on grids of
 //! twice the spacing ([`super::coarse`]) costs less. Polynomials smooth before and after the correction, so that the cycle is a symmetric
 //! function of the residual. The correction of a face is linear in the values of the coarse faces around it, and the residual of a coarse
@@ -9,7 +9,7 @@
 //!
 //! The iterations hardly depend on `ν h/Δ²` and on the size of the liquid (experiment E42).
 //!
-//! Limit: a liquid that nothing holds turns freely on the finest grid, but not on coarse ones, where its boundary is stepped. Where `ν h/Δ²`
+//! Limit: liquid that nothing holds turns freely on the finest grid, but not on coarse ones, where its boundary is stepped. Where `ν h/Δ²`
 //! exceeds the square of its radius in cells, these motions take iterations of their own.
 
 use super::cells::tensor_product;
@@ -60,12 +60,12 @@ pub fn is_mild(stiffness: f64) -> bool {
     polynomial(stiffness, RELATIVE_DEGREE).degree == 1
 }
 
-/// The cycle.
+/// The W-cycle over the systems of all grids.
 pub struct Multigrid<'a, const D: usize> {
     levels: Vec<Level<'a, D>>,
 }
 
-/// From where a cycle starts.
+/// The vector from which a cycle starts.
 #[derive(Clone, Copy)]
 enum Iterate {
     /// From zero, whatever the vector holds.
@@ -74,7 +74,7 @@ enum Iterate {
     Given,
 }
 
-/// A level.
+/// A system of the cycle with its smoother and memory.
 struct Level<'a, const D: usize> {
     system: &'a ViscousSystem<D>,
     smoother: Chebyshev,
