@@ -14,7 +14,7 @@ pub struct ComponentGroup<const D: usize> {
     /// Target motion after advection and before the forces, if they touch constrained solids.
     pub advected_motion: Option<RigidMotion<D>>,
     /// Projector onto the directions in which momentum alone determines their position: all directions if they touch nothing, those
-    /// along an even wall for drops on it.
+    /// along a plane wall for drops on it.
     pub unconstrained_projector: Matrix<D>,
     /// Whether their angular momentum is resolved well enough to be conserved.
     pub keeps_angular_momentum: bool,
@@ -34,7 +34,7 @@ impl<const D: usize> ComponentGroup<D> {
     }
 }
 
-/// Rigid motion of a body, or of several as one.
+/// Rigid motion of a component, or of several as one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidMotion<const D: usize> {
     /// Mass over density, m³ (2D: m²).
@@ -48,7 +48,7 @@ pub struct RigidMotion<const D: usize> {
 }
 
 impl<const D: usize> RigidMotion<D> {
-    /// The same body with another centre. Its momentum and its angular momentum about any point are conserved.
+    /// The same motion about another centre. The momentum and the angular momentum about any point are conserved.
     pub(super) fn moved_to(self, center: Vector<D>) -> Self {
         Self { angular_momentum_per_density: self.angular_momentum_about(&center), center, ..self }
     }

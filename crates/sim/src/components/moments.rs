@@ -1,9 +1,9 @@
-//! Moments of a body of liquid: sums over its faces.
+//! Moments of a component of the liquid: sums over its faces.
 
 use super::group::RigidMotion;
 use meniscus_numerics::{Vector, rotation_planes};
 
-/// Moments of a body: sums over its faces, with masses in units of a cell's.
+/// Moments of a component: sums over its faces, with masses in units of a cell's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments<const D: usize> {
     /// Σ m per axis.
@@ -60,7 +60,7 @@ impl<const D: usize> Moments<D> {
         }
     }
 
-    /// Adds `scale` times the moments of another body.
+    /// Adds `scale` times the moments of another component.
     pub fn add(&mut self, o: &Self, scale: f64) {
         for a in 0..D {
             self.energy[a] += scale * o.energy[a];
@@ -76,7 +76,7 @@ impl<const D: usize> Moments<D> {
         }
     }
 
-    /// The same body with `mass` on the faces of each axis, whose sums differ slightly otherwise.
+    /// The same component with `mass` on the faces of each axis, whose sums differ slightly otherwise.
     pub fn scaled_to_mass(&self, mass: f64) -> Self {
         let mut out = Self::zero();
         for a in 0..D {
@@ -114,7 +114,7 @@ impl<const D: usize> Moments<D> {
         angular_momentum
     }
 
-    /// Rigid motion of the body, with its centre from the interface.
+    /// Rigid motion of the component, with its centre from the interface.
     pub fn rigid_motion(&self, center: Vector<D>) -> RigidMotion<D> {
         RigidMotion {
             volume: self.mass[0],

@@ -65,7 +65,7 @@ fn rotation_rate<const D: usize>(
     }
     let mut right = Vector::<3>::zeros();
     rotation_planes::<D>().iter().enumerate().for_each(|(i, p)| right[i] = momentum[p.2]);
-    // The faces of a body one cell thick lie in one plane: it has no inertia in some directions.
+    // The faces of a component one cell thick lie in one plane: it has no inertia in some directions.
     let inverse = inertia.symmetric_eigen();
     let mut rate = [0.0; 3];
     for (k, value) in inverse.eigenvalues.iter().enumerate().filter(|(_, value)| **value > min_inertia) {
@@ -86,7 +86,7 @@ pub struct MomentumRestoration<const D: usize> {
     pub angular_momentum: f64,
     /// Groups whose momentum was not restored because they lie between solids.
     pub unrestored: u64,
-    /// Number of cells without a component.
+    /// Number of lookups of cells without a component.
     pub unlabelled: u64,
 }
 
@@ -358,7 +358,7 @@ fn rotational_velocity<const D: usize>(rate: &[f64; 3], arm: &Vector<D>) -> Vect
     velocity
 }
 
-/// Combines several bodies into one.
+/// Combines several components into one.
 pub fn combined<const D: usize>(bodies: impl Iterator<Item = RigidMotion<D>>) -> RigidMotion<D> {
     let bodies: Vec<_> = bodies.collect();
     let volume: f64 = bodies.iter().map(|b| b.volume).sum();

@@ -1,4 +1,4 @@
-//! Restoration of momentum: after advection, and after the forces, for liquid that touches nothing and for liquid with free solids.
+//! Restoration of momentum: after advection for liquid that solids hold, and after the forces for liquid that touches none or free ones.
 
 use super::group::ComponentGroup;
 use super::momentum::{ComponentFaces, MomentumRestoration, MomentumTargets};
@@ -14,8 +14,8 @@ use meniscus_numerics::Matrix;
 use meniscus_numerics::grid::CellField;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Subtracts the impulses given to solids from the target motions. The torque on a small drop is noise and its inertia small: with it
-/// one of radius 2 cells at the rim of a plate reached ten times the capillary speed.
+/// Subtracts the impulses given to solids from the target motions. The torque on a small drop is noise and its inertia small: with the
+/// rotation that it gives, a drop of radius 2 cells at the rim of a plate reached ten times the capillary speed.
 pub fn subtract_solid_impulses<const D: usize>(
     model: &Model<D>,
     groups: &mut [ComponentGroup<D>],

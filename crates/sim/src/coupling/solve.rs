@@ -74,7 +74,7 @@ pub fn solve_pressure<const D: usize>(
     Ok(PressureSolution { solves, solid_impulses, contact_work, newton_iterations })
 }
 
-/// Impulses of the contact lines on the solids. The remainder along flat walls accelerates each liquid
+/// Impulses of the contact lines on the solids. The remainder along plane walls accelerates each liquid
 /// component as a whole; for components below [`min_resolved_volume`] it is dropped.
 fn apply_contact_line_forces<const D: usize>(
     model: &Model<D>,

@@ -24,7 +24,7 @@ pub struct Solid<const D: usize> {
     pub mass_properties: MassProperties<D>,
     /// Distance outside its own surface at which the liquid meets it, m ([`Self::padded`]).
     pub padding: f64,
-    /// Cosine of Young's contact angle, `(γ_sa − γ_ls)/γ_la`; beyond ±1 nothing or everything is wetted.
+    /// Cosine of Young's contact angle, `(γ_sa − γ_ls)/γ_la`; below −1 nothing is wetted, above 1 everything.
     pub young_cosine: f64,
     /// Layers over `young_cosine` where the cosine varies, the last on top; empty where it is uniform.
     pub pattern: Vec<WettabilityLayer<D>>,
@@ -83,7 +83,7 @@ impl<const D: usize> Solid<D> {
         SolidState::new(self.kind.initial_kinematics(self.mass_properties.center, self.initial_velocity))
     }
 
-    /// The elastic body, if it deforms.
+    /// Its masses and elastic forces, if it deforms.
     pub fn elastic(&self) -> Option<&Elastic<D>> {
         self.kind.elastic()
     }

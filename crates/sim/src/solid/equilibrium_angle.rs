@@ -10,8 +10,8 @@ const SAMPLES_PER_SIDE: usize = 6;
 const PATCH_ENLARGEMENT: f64 = 0.05;
 
 impl<const D: usize> SolidView<'_, D> {
-    /// Cosine of Young's angle on the surface next to a point (m): the mean over a square (2D: a segment) of `width` (m). Beyond ±1
-    /// nothing or everything is wetted.
+    /// Cosine of Young's angle on the surface next to a point (m): the mean over a square (2D: a segment) of `width` (m). Below −1
+    /// nothing is wetted, above 1 everything.
     pub fn young_cosine_near(&self, x: &Vector<D>, width: f64) -> f64 {
         let Solid { pattern, young_cosine, .. } = self.solid;
         if pattern.is_empty() {

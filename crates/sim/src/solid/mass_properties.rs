@@ -1,12 +1,12 @@
-//! Mass properties of rigid bodies.
+//! Mass properties of rigid solids.
 
 use meniscus_numerics::shape::{Shape, plane_box_fraction};
 use meniscus_numerics::{Matrix, Vector};
 
-/// Cells along the longest side of the bounding box for the quadrature of mass and inertia.
+/// Cells along the longest side of the bounding box for the quadrature of mass and inertia: enough for an accuracy of about 1e-4.
 const QUADRATURE_CELLS: usize = 96;
 
-/// Mass, centre of mass and inertia of a rigid body.
+/// Mass, centre of mass and inertia of a rigid solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MassProperties<const D: usize> {
     /// Mass, kg (2D: kg per metre).
@@ -18,7 +18,7 @@ pub struct MassProperties<const D: usize> {
 }
 
 impl<const D: usize> MassProperties<D> {
-    /// A homogeneous body of a density (kg/m³) and shape, by quadrature over a lattice with planar cuts, accurate to about 1e-4. An
+    /// A homogeneous solid of a density (kg/m³) and shape, by quadrature over a lattice with planar cuts, accurate to about 1e-4. An
     /// unbounded shape gets infinite mass.
     pub fn homogeneous(shape: &Shape<D>, density: f64) -> Self {
         let (low, high) = shape.bounds();

@@ -47,7 +47,7 @@ pub struct CosineImage {
 pub enum Hysteresis {
     /// Cosines of the advancing and the receding angle, everywhere.
     Between([f64; 2]),
-    /// Angles, rad, of the advancing angle above and of the receding angle below the local Young's angle.
+    /// Angles, rad, by which the advancing angle lies above and the receding angle below the local Young's angle.
     Around([f64; 2]),
 }
 

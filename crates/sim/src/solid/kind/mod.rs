@@ -60,7 +60,7 @@ impl<const D: usize> SolidKind<D> {
         SolidSurface::new(mesh, vertices).with_collision_surface(collision)
     }
 
-    /// Positions and velocities at the start, with the centre of mass and the velocity that the scene gives (m, m/s).
+    /// Positions and velocities at the start, with this centre of mass (m) and this initial velocity (m/s).
     pub fn initial_kinematics(&self, center: Vector<D>, velocity: Vector<D>) -> Kinematics<D> {
         let at_rest = RigidKinematics::at_rest(center);
         match self {
