@@ -8,7 +8,7 @@ use crate::plane::Plane;
 use meniscus_numerics::mesh::surface::area_vector;
 use meniscus_numerics::{Vector, par};
 
-/// Surfaces of all bodies. Points are indices into a list of positions, which may contain others as well.
+/// Surfaces of all bodies (the solids). Points are indices into a list of positions, which may contain others as well.
 #[derive(Clone, Debug, Default)]
 pub struct CollisionMesh<const D: usize> {
     /// The points.

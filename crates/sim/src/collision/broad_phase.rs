@@ -98,15 +98,15 @@ impl<const D: usize> Sweep<'_, D> {
         (self.to.to_reference(solid, end) - self.from.to_reference(solid, start)).norm() * MAX_ARC_CHORD_RATIO
     }
 
-    /// Whether boxes around rigid solids show that no point comes within `reach` (m) of another solid or a side; `false` if a solid deforms.
+    /// Whether boxes around rigid solids show that no point comes within `reach` (m) of another solid or side; `false` if one deforms.
     fn are_solids_apart(&self, reach: f64) -> bool {
         let solids = &self.from.model.solids;
         solids.iter().all(|solid| solid.elastic().is_none())
             && (0..solids.len()).all(|solid| self.is_apart(solid, reach).unwrap_or(false))
     }
 
-    /// Whether the points of a rigid solid keep a distance of `reach` (m), by the box around it; `None` if a box is not bounded. The length of
-    /// the path of a point relative to another solid is a convex function of its initial position, and thus largest at a corner of the box.
+    /// Whether the points of a rigid solid keep a distance of `reach` (m), by the box around it; `None` if a box is not bounded. The length
+    /// of a point's path relative to another solid is a convex function of its initial position, and thus largest at a corner of the box.
     fn is_apart(&self, solid: usize, reach: f64) -> Option<bool> {
         let (start, end) = (self.from.box_corners(solid)?, self.to.box_corners(solid)?);
         let nearest_side = self

@@ -112,7 +112,7 @@ struct SampledSurfaces<const D: usize> {
 }
 
 impl<const D: usize> SampledSurfaces<D> {
-    /// The points of all solids but the wall that wets the domain's sides.
+    /// The points of all solids except the wetting walls.
     fn of(model: &Model<D>) -> Self {
         let mut all = Self {
             owners: Vec::new(),

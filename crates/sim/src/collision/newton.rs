@@ -58,7 +58,7 @@ pub struct NewtonSolver<'a, const D: usize> {
     potential: Potential<'a, D>,
     /// The solids before the forces act.
     solids: Solids<'a, D>,
-    /// Velocities of the prescribed nodes.
+    /// Velocities of the prescribed nodes, and the old ones of the others.
     prescribed: Vec<Vector<D>>,
     elimination: EliminationOrder<D>,
     /// Current velocities.
@@ -132,7 +132,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         newton
     }
 
-    /// Moves to the initial guess that the velocities do not change, and finds the contacts that lag there.
+    /// Moves to the initial guess that the velocities do not change, and finds there the lagged friction contacts and early pairs.
     fn move_to_initial_guess(&mut self) {
         let guess = self.prescribed.clone();
         let on_the_way = self.potential.candidates(&self.velocities, &guess);
@@ -388,7 +388,7 @@ impl<'a, const D: usize> NewtonSolver<'a, D> {
         gradient.iter().map(Vector::norm).fold(0.0, f64::max)
     }
 
-    /// Moves towards the velocities `to` up to the first collision of the `candidates` and, if `must_decrease`, while the potential decreases.
+    /// Moves towards the velocities `to` as far as no `candidates` collide and, if `must_decrease`, the potential does not increase.
     /// Returns whether it made the full step.
     fn move_to(&mut self, to: &[Vector<D>], candidates: CandidatePairs, must_decrease: bool) -> bool {
         let (next, whole) = self.line_search(to, &candidates, must_decrease);

@@ -12,7 +12,7 @@ use meniscus_numerics::Vector;
 use meniscus_numerics::mesh::volume::QuadraticFacet;
 use std::collections::BTreeMap;
 
-/// Activation distance of the barrier, in cells. Surfaces in contact are then within half a cell, so the grid does not resolve their gap.
+/// Activation distance of the barrier, in cells. The gap of surfaces in contact is then smaller than the grid resolves.
 pub const BARRIER_REACH_CELLS: f64 = 0.25;
 /// The owner of a point.
 #[derive(Clone, Copy, Debug)]

@@ -18,7 +18,7 @@ const MIN_COMPLIANCE_RATIO: f64 = 1e-3;
 /// Number of block widths, doubling from one cell, for which the compliance is measured.
 const BLOCK_WIDTH_COUNT: u32 = 5;
 
-/// A cell, and the degrees of freedom that flow into it with their weights.
+/// A cell, and the degrees of freedom whose velocities make up the flux out of it, with their weights.
 pub type FluxRow = (u32, Vec<(u32, f64)>);
 
 /// Response of all solids.
@@ -125,8 +125,8 @@ impl<const D: usize> SolidResponse<D> {
     }
 
     /// Compliance relative to that of free nodes, as the mean over pressures that alternate in sign between blocks of 1 to 16 cells.
-    /// Stiff sheets bend under wide blocks only: they respond as free nodes up to a bending stiffness `h² EI/(ρ_s t Δ⁴)` of some hundred,
-    /// and as rigid solids from 10⁵ on.
+    /// Stiff sheets of density `ρ_s` and thickness `t` bend under wide blocks only: they respond as free nodes up to a bending stiffness
+    /// `h² B/(ρ_s t Δ⁴)` of some hundred, and as rigid solids from 10⁵ on.
     fn compliance_ratio(&self, flows: &[FluxRow], reach: &Reach, place: impl Fn(u32) -> [usize; D]) -> f64 {
         let n = self.dof_count();
         // Both sides of a sheet are pushed in the same direction.

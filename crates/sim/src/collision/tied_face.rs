@@ -6,7 +6,7 @@ use meniscus_numerics::Vector;
 ///
 /// Its velocity is `u = m (u* − g + Σ_s d_s a_s·V)`. Here `d_s` is the drag of the line on solid `s` over the face's mass,
 /// `m = 1/(1 + Σ_s d_s)` the mobility, `a_s·V` the velocity of that solid along the face's axis in terms of its nodes, and `g` the
-/// velocity change by the pressure. The solid receives the impulse `M d_s (u − a_s·V)`, with the mass `M` of the face. Lagged velocities
+/// gradient of the pressure impulse. The solid receives the impulse `M d_s (u − a_s·V)`, with the mass `M` of the face. Lagged velocities
 /// of the solids are unstable for light solids (added mass). Therefore `u` is eliminated, and `V` is solved for with the pressure. The
 /// flux of the face is `α m Σ_s d_s a_s`, and its mass matrix `M Σ_s d_s (a_s a_sᵀ − m Σ_r d_r a_s a_rᵀ)` is positive semidefinite.
 #[derive(Clone, Debug)]

@@ -9,9 +9,9 @@
 //! h ½ c min(v_n, 0)²,   c = (τ − a) B''(d)
 //! ```
 //!
-//! Here `v_n` is the separation velocity, `d` the distance at the start, and `h` the impulse time. The barrier at the end of the coming
-//! step, after `a`, itself damps as `a B''`. With `τ = 2 √(m/k)` the damping of a solid that rests on one side is critical. Limit:
-//! bounces ([`crate::collision::impact`]) are unaffected only outside the barrier's activation distance.
+//! Here `v_n` is the separation velocity, `d` the distance at the start of the coming step, and `h` the impulse time. The barrier at the
+//! end of that step, after `a`, itself damps as `a B''`. With `τ = 2 √(m/k)` the damping of a solid that rests on one side is critical.
+//! Limit: bounces ([`crate::collision::impact`]) are unaffected only outside the barrier's activation distance.
 
 use super::barrier::SdfContact;
 use super::incremental_potential::{Potential, SolidTerm};
@@ -22,7 +22,7 @@ use meniscus_numerics::Vector;
 
 /// A dashpot between a point of a rigid solid and another rigid solid or side.
 struct Dashpot<const D: usize> {
-    /// Jacobians of both points at the start of the step.
+    /// Jacobians of both points at the start of the coming step.
     node_jacobians: Vec<Vec<NodeJacobian<D>>>,
     /// Direction from the other feature to the point.
     normal: Vector<D>,

@@ -49,7 +49,7 @@ pub struct EliminationOrder<const D: usize> {
 pub struct Potential<'a, const D: usize> {
     /// The model.
     pub model: &'a Model<D>,
-    /// The solids at the end of the step.
+    /// The solids at the start of the coming step, with the velocities before the forces act.
     pub solids: &'a [SolidState<D>],
     /// Their collision points.
     pub points: &'a CollisionPoints<D>,
@@ -65,9 +65,9 @@ pub struct Potential<'a, const D: usize> {
     pub lookahead: f64,
     /// Settling time of rigid solids in contact, s.
     pub settling_time: f64,
-    /// Configurations now and at the time of the old velocities.
+    /// Configurations at the start of the coming step and at the time of the old velocities.
     pub old_levels: OldTimeLevels<'a, D>,
-    /// Elastic slips at the end of the step.
+    /// Elastic slips at the start of the coming step.
     pub elastic_slips: &'a Slips<D>,
     /// Pairs whose barrier uses the early time level.
     pub early_pairs: EarlyPairs,

@@ -54,7 +54,7 @@ pub struct FrictionContact<const D: usize> {
     pub(super) key: ContactKey,
     /// Owners of the points.
     pub owners: [PointOwner<D>; 4],
-    /// Positions of the points at the end of the step.
+    /// Positions of the points at the start of the coming step.
     pub start_positions: [Vector<D>; 4],
     /// Weights, normal, friction limit and slip.
     pub rubbing: FrictionPair<D>,

@@ -21,7 +21,7 @@ pub struct TimeLevel<'a, const D: usize> {
 pub struct OldTimeLevels<'a, const D: usize> {
     /// At the time of the old velocities.
     before: TimeLevel<'a, D>,
-    /// When the forces act.
+    /// At the start of the coming step, when the forces act.
     pub start: TimeLevel<'a, D>,
 }
 
