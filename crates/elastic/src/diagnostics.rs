@@ -106,8 +106,8 @@ impl<const D: usize> Elastic<D> {
 
     /// Largest Frobenius norm of the rate `Ḟ` of the deformation gradient in an element, 1/s.
     ///
-    /// Vertices advance along straight lines, which stretches rotating elements; rotation hardly does if `dt` is below 0.3 of the
-    /// reciprocal of this rate. The stiffness sets no limit.
+    /// Vertices advance along straight lines, so that rotation stretches elements, but hardly if `dt` is below 0.3 of the reciprocal of
+    /// this rate. The stiffness sets no limit.
     pub fn max_deformation_rate(&self, velocities: &[Vector<D>]) -> f64 {
         let rate = |simplex: &Simplex<D>| {
             let edges = simplex.edges(&self.rest_mesh.positions);

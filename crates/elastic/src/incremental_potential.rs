@@ -5,12 +5,12 @@
 //! new velocities, their midpoint `y`, and the positions `z = x + a v'` at the latest end of the coming step, the potential is
 //!
 //! ```text
-//! ½ wᵀ M w + 2 h/l Ψ(y) − h (f(q, q') − f(y))ᵀ w + ½ h τ v'ᵀ K̂ v' − jᵀ w + h/a U(z).
+//! ½ wᵀ M w + 2 h/l Ψ(y) − h (f(q, q') − f(y))ᵀ w + ½ h τ v'ᵀ K̂ v' − jᵀ w + ⅛ h² wᵀ K_e w + h/a U(z).
 //! ```
 //!
 //! `Ψ` is the elastic energy, whose discrete gradient `f(q, q')` does the work by which it changes
-//! ([`crate::DiscreteGradientTerm`]), `τ K̂` the damping, `j` the impulses of all other forces, and `U` the inversion barrier
-//! ([`crate::InversionBarrier`]). The correction `f(q, q') − f(y)` has no potential; it is lagged
+//! ([`crate::DiscreteGradientTerm`]), `τ K̂` the damping, `j` the impulses of all other forces, `K_e` their stiffness, and `U` the
+//! inversion barrier ([`crate::InversionBarrier`]). The correction `f(q, q') − f(y)` has no potential; it is lagged
 //! ([`IncrementalPotential::update_lagged`]), and so is `K̂`. At `x` the first Newton iteration from `w = 0` is the step linearised
 //! about `x`. For `l = h/2` the step conserves the energy `½ vᵀ M v + Ψ(q)` and both momenta (energy–momentum method, J. Simo & N.
 //! Tarnow 1992); a longer `l` dissipates `(l/h − ½) wᵀ M w`.

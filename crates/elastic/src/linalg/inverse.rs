@@ -43,7 +43,7 @@ impl LinearSolver {
         Some(Self::Iterative(Arc::new(lattice), 2 * D * D * pattern.rows.len()))
     }
 
-    /// Number of entries stored for an inverse.
+    /// Number of entries of the factor, or of those that an iteration reads.
     pub fn entries(&self) -> usize {
         match self {
             Self::Direct(symbolic) => symbolic.entries(),

@@ -14,7 +14,7 @@ pub struct StiffnessBlock<const D: usize> {
     pub block: Matrix<D>,
 }
 
-/// Adds the impulses, N s, of the extra stiffness in a step of `h` s that changes the velocities by `w`.
+/// Adds the impulses, N s, of the extra stiffness in a step of `h` s that changes the velocities by `w`, and the midpoint by `h w/4`.
 pub(crate) fn add_stiffness_impulses<const D: usize>(
     extra_stiffness: &[StiffnessBlock<D>],
     h: f64,
