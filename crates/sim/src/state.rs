@@ -28,7 +28,7 @@ pub struct State<const D: usize> {
     pub phi: CellField<D>,
     /// Velocity, m/s; valid in the liquid and a few cells around it.
     pub velocity: FaceField<D>,
-    /// Pressure impulse `p t/ρ` of the liquid cells for the impulse time `t`, m²/s: the initial guess of the next solve.
+    /// Pressure impulse `p h/ρ` of the liquid cells for the impulse time `h`, m²/s: the initial guess of the next solve.
     pub pressure_impulse: CellField<D>,
     /// The connected components of the liquid, in order of their first cell.
     pub components: Vec<Component<D>>,

@@ -18,8 +18,8 @@ const CUBIC_INTERPOLATION_DISTANCE_CELLS: f64 = 2.5;
 /// steps).
 const RIDGE_GRADIENT_NORM: f64 = 0.5;
 
-/// Distance from a cell, in cells, that the stencil at its departure point reaches along an axis: two cells, and a path of at most a cell.
-/// Its corners, `√D` times as far, are not looked at.
+/// Distance from a cell, in cells, that the stencil at its departure point reaches along an axis: two cells, and a path of at most a cell
+/// at the default Courant number. Its corners, `√D` times as far, are not looked at.
 const STENCIL_REACH_CELLS: f64 = 3.0;
 
 /// Advected values of φ in the segments of the band, one behind the other.

@@ -106,7 +106,7 @@ fn interface_crossing<const D: usize>(
         let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
         -t * b * c / 6.0 * f[0] + a * b * c / 2.0 * f[1] - a * t * c / 2.0 * f[2] + a * t * b / 6.0 * f[3]
     };
-    // The cubic has the signs of its end values: regula falsi (Illinois) cannot leave the segment.
+    // The cubic has the signs of its end values: regula falsi, with the other end's value halved, cannot leave the segment.
     let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, f[1], f[2]);
     let mut t = linear;
     for _ in 0..MAX_ROOT_ITERATIONS {

@@ -42,10 +42,10 @@ pub fn impulse_time(velocity_lead: f64, dt: f64) -> f64 {
 
 /// [`impulse_time`] without bounds.
 ///
-/// With the velocity lead `l`, the position `q = x + l v` at the time of the velocity moves by `(h − l) v + l' v'` while forces act for
-/// `t = h − l + l'`. The neutral rule `l' = h − l` makes this `t` times the mean velocity: the work of the forces equals the change of
-/// `½ v²`, and angular momentum is conserved. If a step shortens abruptly, this leaves no impulse time. Then `l' = h/2`, which is
-/// larger, and the energy falls by `(l'/t − ½) m (v' − v)²`. [`next_dt`] chooses steps for which the rule holds.
+/// With the velocity lead `l`, the position `q = x + l v` at the time of the velocity moves by `(Δt − l) v + l' v'` while forces act for
+/// `h = Δt − l + l'`. The neutral rule `l' = Δt − l` makes this `h` times the mean velocity: the work of the forces equals the change of
+/// `½ v²`, and angular momentum is conserved. If a step shortens abruptly, this leaves no impulse time. Then `l' = Δt/2`, which is
+/// larger, and the energy falls by `(l'/h − ½) m (v' − v)²`. [`next_dt`] chooses steps for which the rule holds.
 pub fn unbounded_impulse_time(velocity_lead: f64, dt: f64) -> f64 {
     let neutral = 2.0 * (dt - velocity_lead);
     if neutral >= 2.0 * MIN_IMPULSE_TIME_RATIO * velocity_lead { neutral } else { 1.5 * dt - velocity_lead }
@@ -85,7 +85,7 @@ pub fn uniform_dt(remaining_time: f64, max_dt: f64) -> f64 {
 pub fn stable_dt<const D: usize>(model: &Model<D>, speed: f64) -> f64 {
     let n = &model.numerics;
     let fall = model.gravity.norm();
-    // speed·h + ½ fall·h² = cfl·Δ
+    // speed·dt + ½ fall·dt² = cfl·Δ
     let max_displacement = n.cfl * model.grid.dx;
     let advective_dt =
         2.0 * max_displacement / (speed + (speed * speed + 2.0 * fall * max_displacement).sqrt()).max(1e-300);

@@ -117,7 +117,7 @@ impl<const D: usize> Workspace<D> {
         let distances: Vec<_> =
             solids.iter().map(|solid| move |x: &Vector<D>| solid.liquid_distance(x)).collect();
         let cuts = solids.iter().zip(&distances).map(|(solid, d)| solid.embedded_boundary(d));
-        // Liquid and band move less than a tile in a step.
+        // Liquid and band move less than a tile in a step, at the default Courant number.
         self.cut_cells.rebuild(&cuts.collect::<Vec<_>>(), &self.tiles.dilated());
         let nearest = |x: &Vector<D>| {
             let number = solids.nearest(x).unwrap_or(0);

@@ -61,7 +61,7 @@ pub fn solid_terms<'a, const D: usize>(
     (0..model.solids.len()).map(term).collect()
 }
 
-/// The term of a deformable solid under these loads; what lags in it is not evaluated yet.
+/// The term of a deformable solid under these loads; its lagged parts are not evaluated yet.
 fn deformable_term<'a, const D: usize>(
     elastic: &'a Elastic<D>,
     state: &'a ElasticState<D>,
