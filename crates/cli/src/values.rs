@@ -45,6 +45,9 @@ pub fn wall_time(text: &str) -> Result<Duration, String> {
 pub fn picture_range(text: &str) -> Result<(u64, u64), String> {
     match text.parse::<u64>() {
         Ok(one) => Ok((one, one)),
+        Err(_) if !text.contains(':') => {
+            Err("expected a number, or first:last, such as 20 or 10:20".to_owned())
+        }
         Err(_) => frame_range(text),
     }
 }

@@ -29,7 +29,7 @@ Many runs at once, or a threshold:  meniscus sweep --help";
 
 /// Simulates liquids with surface tension in contact with rigid and deformable solids.
 #[derive(Debug, Parser)]
-#[command(name = "meniscus", version, about, after_help = AFTER_HELP, max_term_width = 110)]
+#[command(name = "meniscus", version, after_help = AFTER_HELP, max_term_width = 110)]
 #[command(arg_required_else_help = true)]
 pub struct Cli {
     /// The command that runs.
@@ -46,15 +46,15 @@ pub enum Command {
     Scenes(ScenesArgs),
     /// Write a commented scene file to start from.
     New(NewArgs),
-    /// Check a scene without running it: resolved values, dimensionless numbers, estimated cost, warnings.
+    /// Check a scene without running it: its grid, dimensionless numbers, estimated cost, warnings.
     Check(CheckArgs),
     /// Measure contact angles, base radii, heights, wetted areas and contact times in stored frames.
     Measure(MeasureArgs),
-    /// Run the validation suite: value, reference, error, tolerance, pass or fail.
+    /// Run the validation suite, which compares results with theory, experiments and other programs.
     Verify(VerifyArgs),
     /// Run small random scenes and check invariants; scenes that violate one are written with the checkpoint before.
     Soak(SoakArgs),
-    /// Measure the run time of the phases of a time step.
+    /// Measure the time that pressure solves and time steps take, and the errors of long steps.
     Bench(BenchArgs),
     /// Write a self-contained HTML page of a run.
     Page(PageArgs),
@@ -108,7 +108,7 @@ pub struct ScenesArgs {
 #[derive(Debug, Args)]
 pub struct NewArgs {
     /// The built-in scene to start from; see `meniscus scenes`.
-    #[arg(required_unless_present = "list")]
+    #[arg(value_name = "NAME", required_unless_present = "list")]
     pub preset: Option<String>,
     /// File to write; its name becomes the name of the scene. Default: standard output.
     #[arg(short, long, value_name = "FILE")]

@@ -45,7 +45,7 @@ The last table has time averages over --window.";
 #[derive(Debug, Args)]
 #[command(after_help = MEASURE_HELP)]
 pub struct MeasureArgs {
-    /// The output folder.
+    /// The output folder of a run, such as out/my-scene.
     pub dir: PathBuf,
     /// Measure the frame nearest to this time, such as "20 ms". Default: the last frame.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
@@ -61,13 +61,13 @@ pub struct MeasureArgs {
 /// `meniscus page`.
 #[derive(Debug, Args)]
 pub struct PageArgs {
-    /// The output folder.
+    /// The output folder of a run, such as out/my-scene.
     pub dir: PathBuf,
     /// Take every n-th frame.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1)]
     pub every: u32,
-    /// Largest size of the page, megabytes.
-    #[arg(long, default_value_t = 20.0)]
+    /// Largest size of the page in megabytes; frames are left out until it fits.
+    #[arg(long, value_name = "MB", default_value_t = 20.0)]
     pub max_mb: f64,
 }
 
@@ -88,7 +88,7 @@ pub struct ViewArgs {
 /// `meniscus render`.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// The output folder.
+    /// The output folder of a run, such as out/my-scene.
     pub dir: PathBuf,
     /// Width x height of the pictures in pixels.
     #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = picture_size)]
@@ -132,22 +132,22 @@ pub struct RenderArgs {
     #[arg(long, value_name = "RRGGBB", value_parser = hex_color)]
     pub solid_color: Option<u32>,
     /// Quantity shown as the colour of the solids: plain, phi_c (distance to the contact line along the surface, negative where
-    /// wetted), strain (largest |stretch - 1|), displacement or young (contact angle of patterns). [default: plain]
+    /// wetted), strain (largest |stretch - 1|), displacement or young (Young's angle, of solids with a pattern). [default: plain]
     #[arg(long, value_name = "VALUES")]
     pub color: Option<String>,
     /// Take every n-th frame.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1)]
     pub every: u32,
 }
 
 const EXPORT_HELP: &str = "\
-Formats (docs/formats.md tells which program reads which, and with what):
+Formats (docs/formats.md has their content, docs/into.md the way into programs):
   vtk   surfaces and contact lines for ParaView (.vtp), run.pvd with the times
   obj   surfaces and contact lines as Wavefront OBJ
   glb   each frame as one binary glTF file, for slides and the web
-  usd   each frame as USD text with materials, run.usda plays them all
+  usd   each frame as USD text with materials, and run.usda, which plays them
   csv   tables of the contact line: position, angle, speed, force
-  ply   as stored, such as with another --scale
+  ply   as a run stores them, for example with another --scale
 Stored frames have surfaces and contact lines. Elements of deformable solids
 (.vtu) and fields on the grid (.vti, .vdb) are written by a run whose scene
 has output.formats = [\"vtk\", \"vti\", \"vdb\"].";
@@ -195,8 +195,8 @@ pub enum Wetted {
 /// The axis that points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum UpAxis {
-    /// The second one.
+    /// The second axis.
     Y,
-    /// The third one.
+    /// The third axis.
     Z,
 }

@@ -11,10 +11,11 @@ pub struct SceneArgs {
     /// A .toml file, the name of a built-in scene, or the output folder of a run.
     #[arg(value_name = "SCENE")]
     pub scene: String,
-    /// Change a value of the scene, such as --set domain.resolution=96 (repeatable).
+    /// Change a value of the scene, such as --set domain.resolution=96 or --set tension.plate.contact_angle=60deg (repeatable);
+    /// docs/scene.md lists the keys.
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
-    /// Resolution of the grid.
+    /// Resolution of the grid. Default: normal.
     #[arg(long, value_enum)]
     pub quality: Option<Quality>,
     /// Cells along the longest side, in place of a quality; a command chooses them.
@@ -37,7 +38,7 @@ pub struct RunArgs {
     /// Simulate until this time, such as "0.5 s", instead of the scene's duration.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub until: Option<String>,
-    /// Write only the frames first:last, and end the run with the last of them.
+    /// Write only the frames first:last, counted from 0, and end the run with the last of them.
     #[arg(long, value_name = "A:B", value_parser = frame_range)]
     pub frames: Option<(u64, u64)>,
     /// Number of threads. Default: all of the machine. Results do not depend on it.
@@ -69,11 +70,11 @@ pub enum LogFormat {
 /// Resolution of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Quality {
-    /// Coarse, for a quick look.
+    /// Coarse, for a quick look: domain.quality.draft of the scene, or half the resolution.
     Draft,
     /// The resolution given in the scene.
     Normal,
-    /// The resolution used in the paper.
+    /// domain.quality.paper of the scene: in scenes after a figure of the paper the resolution of that figure.
     Paper,
 }
 

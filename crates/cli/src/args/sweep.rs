@@ -11,7 +11,8 @@ Values of --vary (PATH and units as in --set):
   PATH=A:B:N            N values from A to B: tension.plate.contact_angle=\"60:120:3 deg\"
   PATH=V1,V2,…          a list: domain.dx=\"0.8,0.4 mm\"
   PATH=A:B              with --find: the range that is searched
-Two --vary make all pairs of values. SCENE may be the folder of a sweep.
+Several --vary make all combinations of their values. SCENE may be the folder
+of a sweep, which then goes on.
 
 Examples (docs/sweep.md has more):
   meniscus sweep my.toml --vary tension.plate.contact_angle=60:120:3deg --jobs 2
@@ -19,8 +20,9 @@ Examples (docs/sweep.md has more):
   meniscus sweep out/my-sweep --collect
   meniscus sweep my.toml --find floats.ball --vary solid.ball.density=1:4g/cm^3
 
-The same command again goes on where it was stopped or killed. Exit status: as of
-`meniscus run`; of all cases the gravest. With --find: 0 if the value was found.";
+The same command again goes on where it was stopped or killed. The exit status is
+that of `meniscus run`, the gravest of all cases; with --find 0 if the value was
+found.";
 
 /// `meniscus sweep`.
 #[derive(Debug, Args)]

@@ -18,15 +18,15 @@ pub struct VerifyArgs {
     /// after the other on two.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: u16,
-    /// Write the results as JSON. This file and the pages are written anew after each case.
+    /// Write the results as JSON. This file and those of --html and --markdown are written anew after each case.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// Keep the results that the file of --json already has, and run the other cases. They must be of the same version; two programs of
     /// one version are told apart only if MENISCUS_COMMIT named the commit when they were compiled.
     #[arg(long, requires = "json")]
     pub resume: bool,
-    /// Add a line for each case to this file: of the check nearest to its bar, the error and the bar, and the seconds. Lines of the
-    /// same version are replaced. The pages draw the history.
+    /// Add a line for each case to this file, with its seconds, and the error and the bar of the check that is nearest to its bar.
+    /// Lines of the same version are replaced. The pages of --html and --markdown draw the history.
     #[arg(long, value_name = "FILE")]
     pub history: Option<PathBuf>,
     /// Write the results as an HTML page.
@@ -130,7 +130,7 @@ pub struct BenchArgs {
     /// With step: the work of each phase beside the bandwidth and the peak rate of the machine, on one thread and on all.
     #[arg(long)]
     pub roofline: bool,
-    /// Threads; as many as the machine has without it.
+    /// Number of threads. Default: all of the machine.
     #[arg(long, value_name = "N", env = "MENISCUS_THREADS")]
     pub threads: Option<u16>,
     /// Write the results as JSON.

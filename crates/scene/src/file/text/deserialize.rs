@@ -252,9 +252,9 @@ impl<'de> Deserializer<'de> for Value<'de> {
         let wrong = match self.value.get_ref() {
             DeValue::Array(list) if list.is_empty() => return visitor.visit_unit(),
             DeValue::Table(table) if table.is_empty() => return visitor.visit_unit(),
-            DeValue::Array(_) => "expected empty array".to_owned(),
-            DeValue::Table(_) => "expected empty table".to_owned(),
-            other => format!("expected table, found {}", other.type_str()),
+            DeValue::Array(_) => "expected an empty list".to_owned(),
+            DeValue::Table(_) => "expected an empty table".to_owned(),
+            other => format!("expected a table, found {}", other.type_str()),
         };
         Err(ReadError::new(wrong, "").or_at(self.value.span()))
     }
@@ -267,16 +267,17 @@ impl<'de> Deserializer<'de> for Value<'de> {
         visitor: V,
     ) -> Result<V::Value, ReadError> {
         let (span, dx) = (self.value.span(), self.dx);
-        let one_key =
-            |message| Err(ReadError::new(message, "keep exactly one of its keys, and remove the others"));
+        let one_key = |message| {
+            Err(ReadError::new(message, "its only key selects one of several kinds: give exactly one"))
+        };
         let read = match self.value.into_inner() {
             DeValue::String(text) => visitor.visit_enum(CowStrDeserializer::new(text)),
             DeValue::Table(table) => match table.len() {
-                0 => one_key("this table has 0 elements"),
+                0 => one_key("this table has no key"),
                 1 => visitor.visit_enum(MapAccessDeserializer::new(entries(table, dx))),
-                _ => one_key("wanted exactly 1 element, more than 1 element"),
+                _ => one_key("this table has more than one key"),
             },
-            _ => Err(ReadError::new("wanted string or table", "")),
+            _ => Err(ReadError::new("expected a text or a table", "")),
         };
         read.map_err(|e| e.or_at(span))
     }
