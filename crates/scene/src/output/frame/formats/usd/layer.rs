@@ -1,10 +1,7 @@
 //! The text of a USD layer.
 
-use super::prim::{Material, Prim, Property, Values};
+use super::prim::{FRAMES_PER_SECOND, Material, Prim, Property, Values};
 use std::io::{self, Write};
-
-/// Frames per second at which programs play the frames. Time codes count frames, so a run plays in slow motion.
-pub(super) const FRAMES_PER_SECOND: u32 = 24;
 
 /// Name of the root prim.
 pub(super) const ROOT: &str = "frame";

@@ -1,9 +1,11 @@
 //! Prims of a frame: meshes, curves and points with their attributes.
 
-use super::layer::FRAMES_PER_SECOND;
 use crate::output::frame::known::VELOCITIES;
 use crate::output::frame::{Attribute, Frame, FrameMesh, polylines};
 use std::collections::BTreeSet;
+
+/// Frames per second at which programs play the frames. Time codes count frames, so a run plays in slow motion.
+pub(super) const FRAMES_PER_SECOND: u32 = 24;
 
 /// Width of curves and points over the mean length of the liquid's edges: a line as wide as this hides no facet. Chosen without experiment.
 const WIDTH_PER_EDGE: f64 = 0.5;
