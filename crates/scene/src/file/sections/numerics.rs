@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize};
 pub struct Numerics {
     /// Scheme of a time step; `meniscus` by default.
     pub scheme: Scheme,
-    /// Courant number: largest displacement of the liquid or of a solid in a step, in cells; 0.01 to 10, 0.7 by
-    /// default.
+    /// Courant number: largest displacement of the liquid or of a solid in a step, in cells; 0.01 to 2, 0.7 by
+    /// default. The distance to the interface is known within five cells of it, so that farther steps would lose liquid.
     pub cfl: f64,
     /// Largest step, above 0; not bounded by default.
     #[serde(skip_serializing_if = "is_unbounded", with = "Si::<Time>")]
@@ -91,7 +91,7 @@ impl Numerics {
         for (key, step) in [("max_step", max_step), ("fixed_step", self.fixed_step)] {
             step.map_or(Ok(()), |step| v.positive(&at(key), "a time step", step))?;
         }
-        v.within(&at("cfl"), "the CFL number", self.cfl, [0.01, 10.0])?;
+        v.within(&at("cfl"), "the CFL number", self.cfl, [0.01, 2.0])?;
         v.within(&at("tolerance"), "the tolerance", self.tolerance, [1e-14, 0.1])?;
         let iterations = self.max_iterations as f64;
         v.within(&at("max_iterations"), "the number of iterations", iterations, [1.0, 1e6])?;
