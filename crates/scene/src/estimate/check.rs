@@ -33,7 +33,7 @@ const NOISE_FREE_MODULUS_RATIO: f64 = 1e4;
 const MIN_CELLS_ACROSS: f64 = 8.0;
 /// A warning is given for fewer cells per capillary length: a puddle at 90° is √2 capillary lengths high (de Gennes, Brochard-Wyart &
 /// Quéré 2004, chapter 2), here four cells.
-const MIN_CAPILLARY_LENGTH_CELLS: f64 = 2.8;
+const MIN_CAPILLARY_LENGTH_CELLS: f64 = 3.0;
 
 /// The report of a check; SI units, angles in degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
