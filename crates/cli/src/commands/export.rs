@@ -159,11 +159,14 @@ fn files(folder: &Path, format: Format) -> Result<Vec<PathBuf>> {
 fn report(args: &ExportArgs, folder: &Folder, frames: usize, removed: usize) -> Result<()> {
     let files = files(folder.root(), args.to)?;
     let bytes: u64 = files.iter().filter_map(|path| Some(path.metadata().ok()?.len())).sum();
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
     let mut text = format!(
-        "exported  {frames} frames to {} ({} files, {:.1} MB)\n",
+        "exported  {frames} frame{} to {} ({} file{}, {})\n",
+        plural(frames),
         folder.root().display(),
         files.len(),
-        bytes as f64 * 1e-6
+        plural(files.len()),
+        indicatif::DecimalBytes(bytes)
     );
     if removed > 0 {
         text += &format!("removed   {removed} files of an earlier export\n");

@@ -18,6 +18,11 @@ const SCENES: u64 = 100;
 /// Generates random scenes and checks them against the invariants.
 pub fn soak(args: &SoakArgs) -> Result {
     let wish = case_options(args);
+    if let Some(path) = args.scene.as_ref().filter(|path| !path.is_file()) {
+        let message = format!("there is no file {}", path.display());
+        return Err(Failure::new(USAGE, message)
+            .help("--scene takes the file of a scene, such as one that a soak has written"));
+    }
     if args.child {
         return child(args, wish);
     }

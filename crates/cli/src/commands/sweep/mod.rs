@@ -44,7 +44,11 @@ pub fn sweep(args: &SweepArgs) -> Result {
     }
     if args.vary.is_empty() {
         let message = "nothing is varied, and SCENE is not the folder of a sweep";
-        return Err(usage(message, "add, for example, --vary tension.plate.contact_angle=60:120:3deg"));
+        let range = if args.find.is_some() { "60:120" } else { "60:120:3" };
+        return Err(usage(
+            message,
+            format!("add, for example, --vary tension.plate.contact_angle={range}deg"),
+        ));
     }
     match &args.find {
         Some(check) => find(args, check),
