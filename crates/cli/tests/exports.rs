@@ -54,7 +54,12 @@ fn a_run_and_an_export_write_the_same_files() {
         .map(|path| PlyMesh::load(&path).unwrap());
     let turned: Vec<[f64; 3]> =
         old.positions.iter().map(|[x, y, z]| [x * 1000.0, -z * 1000.0, y * 1000.0]).collect();
-    assert_eq!((&new.edges, &new.scalars, new.positions), (&old.edges, &old.scalars, turned));
+    let mut scalars = old.scalars.clone();
+    let [y, z] = ["vy", "vz"].map(|name| old.scalars[name].clone());
+    scalars.insert("vy".into(), z.iter().map(|v| -v).collect());
+    scalars.insert("vz".into(), y);
+    assert_eq!((&new.edges, &new.scalars, new.positions), (&old.edges, &scalars, turned));
+    assert!(old.comments.contains(&"unit metre".into()) && new.comments.contains(&"unit 0.001 metre".into()));
 }
 
 #[test]

@@ -188,9 +188,9 @@ fn a_budget_chooses_the_resolution() {
         let scene = read(&place.path(out).join("case_0001.toml"));
         scene.lines().find_map(|line| line.strip_prefix("resolution = ")).unwrap().parse::<u32>().unwrap()
     };
-    let [less, more] = [cells("5m", "less"), cells("3h", "more")];
+    let [less, more] = [cells("3s", "less"), cells("30s", "more")];
     assert!(16 < less && less < more && more <= 1024, "{less} {more}");
-    assert_eq!(cells("3h", "less"), less, "a sweep keeps its resolution");
+    assert_eq!(cells("30s", "less"), less, "a sweep keeps its resolution");
     let refusal =
         words(&place.expect("sweep fall.toml --vary liquid.gravity.1=-1,-4m/s^2 --budget 0.000001s", 2));
     assert!(refusal.contains("longer than the budget with 16 cells"), "{refusal}");

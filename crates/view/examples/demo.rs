@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 options.frames = Some(frame..=frame);
             }
             if rest.get(2) == Some(&"matte") {
-                options.style = Style::Matte;
+                options.style = Some(Style::Matte);
             }
             let made =
                 render(Path::new(dir), &options, |done, all| println!("{done}/{all} {:?}", start.elapsed()))?;

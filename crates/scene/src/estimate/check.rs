@@ -31,9 +31,9 @@ const SECONDS_PER_ITERATED_BYTE: f64 = 4e-7;
 const NOISE_FREE_MODULUS_RATIO: f64 = 1e4;
 /// A warning is given for fewer cells per radius of a liquid body.
 const MIN_CELLS_ACROSS: f64 = 8.0;
-/// A warning is given for fewer cells per capillary length: a puddle at 90° is √2 capillary lengths high (de Gennes, Brochard-Wyart &
-/// Quéré 2004, chapter 2), here four cells.
-const MIN_CAPILLARY_LENGTH_CELLS: f64 = 3.0;
+/// Fewer cells per capillary length resolve no meniscus: a puddle at 90° is √2 capillary lengths high (de Gennes, Brochard-Wyart & Quéré
+/// 2004, chapter 2), here four cells.
+pub(super) const MIN_CAPILLARY_LENGTH_CELLS: f64 = 3.0;
 
 /// The report of a check; SI units, angles in degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -348,11 +348,9 @@ fn more_warnings(scene: &Scene, bodies: &[BodyReport], capillary: Option<f64>, o
             out.push(Warning { path: format!("liquid.body.{}.shape", b.index), message });
         }
     }
-    if let Some(n) = capillary.map(|c| c / scene.domain.dx).filter(|n| *n < MIN_CAPILLARY_LENGTH_CELLS) {
-        let message = format!(
-            "the capillary length is only {n:.2} cells: a meniscus or a puddle is less than about four cells high, so the grid \
-             hardly resolves it"
-        );
+    if let Some(n) = capillary.map(|c| c / scene.domain.dx).filter(|n| *n < 1.0) {
+        let message =
+            format!("the capillary length is only {n:.2} cells: the grid hardly resolves capillary effects");
         out.push(Warning { path: "tension.liquid_air".to_owned(), message });
     }
     for s in &scene.solids {

@@ -1,6 +1,6 @@
 //! The text of `meniscus check`.
 
-use super::check::{PairReport, Report};
+use super::check::{MIN_CAPILLARY_LENGTH_CELLS, PairReport, Report};
 use super::memory;
 use crate::file::WALLS;
 use crate::units::{format_si, format_volume};
@@ -88,7 +88,8 @@ impl Report {
             }
         }
         if let (Some(c), Some(n)) = (self.capillary_length, self.capillary_length_cells) {
-            lines.push(line("capillary length", format!("{}, {n:.1} cells", format_si(c, "m"))));
+            let hint = if n < MIN_CAPILLARY_LENGTH_CELLS { ", too few to resolve a meniscus" } else { "" };
+            lines.push(line("capillary length", format!("{}, {n:.1} cells{hint}", format_si(c, "m"))));
         }
         let numbers = [
             ("Bo = rho g R^2 / gamma", self.bond),
