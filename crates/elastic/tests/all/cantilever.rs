@@ -134,7 +134,7 @@ fn large_deflection_in_3d() {
     assert!((drop / 0.495905 - 1.0).abs() < 0.03 && (along / 0.846657 - 1.0).abs() < 0.02);
 }
 
-/// A thin beam with the tension `2 γ` of both surfaces at `2 γ L² = 3 B`, N/m.
+/// A thin beam of bending stiffness `B`, N m, whose two surfaces have the tension `γ = 3 B/2 L²` each, N/m.
 fn tense(damping_ratio: f64) -> Elastic<2> {
     let bending = YOUNG / (1.0 - 0.3 * 0.3) * THICK.powi(3) / 12.0;
     let mesh = quadratic([40, 2], [LENGTH, THICK]);
@@ -146,7 +146,8 @@ fn tense(damping_ratio: f64) -> Elastic<2> {
 
 #[test]
 fn surface_tension_changes_no_frequency() {
-    // Gurtin, Markenscoff & Thurston 1976. A taut string's tension would raise the lowest frequency by more than a third.
+    // Gurtin, Markenscoff & Thurston 1976. The tension of a taut string, which the stress within does not balance, would raise the lowest
+    // frequency by more than a third.
     let mode = lowest_modes(&tense(0.0), 1).unwrap()[0].frequency;
     let without = frequencies([40, 2], [LENGTH, THICK], 0.3)[0];
     assert!((mode / without - 1.0).abs() < 1e-6, "{}", mode / without);
@@ -172,5 +173,6 @@ fn surface_tension_changes_no_frequency() {
         .collect();
     let steps = (rises[rises.len() - 1] - rises[0]) / (rises.len() - 1) as f64;
     println!("period of the swing over that of the mode: {}", steps / 200.0);
-    assert!((steps / 200.0 - 1.0).abs() < 0.02);
+    // The clamp holds the end as it was before it relaxed, which is felt over a thickness of it, a twentieth of the length; 0.0015 found.
+    assert!((steps / 200.0 - 1.0).abs() < 0.005);
 }

@@ -11,17 +11,18 @@ use crate::units::format_si;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Core seconds per step and liquid cell. With the constants below, a dozen built-in scenes from `drop-on-beam-2d` to `crown-splash` take
-/// between half and twice the estimated time a step.
+/// Core seconds per step and liquid cell: what a million cells in the middle of liquid take. With the constants below, eleven built-in
+/// scenes from `drop-on-beam-2d` to `crown-splash` and `fig22-plate-90` took 0.5 to 1.4 times the estimated seconds a step.
 const SECONDS_PER_LIQUID_CELL: f64 = 1e-6;
 /// Core seconds per step and cell of the liquid's surface: in 3D with solids, and else.
 const SECONDS_PER_SURFACE_CELL: [f64; 2] = [2e-4, 6e-5];
 /// Core seconds per step and vertex of a deformable solid, in 2D and in 3D, for the two or three iterations of Newton's method that most
 /// steps take.
 const SECONDS_PER_VERTEX: [f64; 2] = [1.7e-5, 1e-4];
-/// Core seconds per step and byte of the factors of deformable solids.
+/// Core seconds per step and byte of the factors of deformable solids, for factorisation and solves together.
 const SECONDS_PER_FACTOR_BYTE: f64 = 3e-9;
-/// Speed-up of deformable solids by more than one thread, measured with a soft plate.
+/// Time of deformable solids on one thread over that on two, a number: 1.55 to 1.62 was measured with a soft plate. More threads were not
+/// measured and count as two.
 const SOLID_SPEEDUP: f64 = 1.55;
 /// Seconds per step and byte of the matrix of solids without factors, for some dozen iterative solves. A ball of 58,400 vertices took 32
 /// s a step.

@@ -14,7 +14,7 @@ pub struct Numerics {
     /// Scheme of a time step; `meniscus` by default.
     pub scheme: Scheme,
     /// Courant number: largest displacement of the liquid or of a solid in a step, in cells; 0.01 to 2, 0.7 by
-    /// default. The distance to the interface is known within five cells of it, so that farther steps would lose liquid.
+    /// default. Longer displacements are refused, because the distance to the interface is known within five cells of it only.
     pub cfl: f64,
     /// Largest step, above 0; not bounded by default.
     #[serde(skip_serializing_if = "is_unbounded", with = "Si::<Time>")]

@@ -268,7 +268,7 @@ impl<'de> Deserializer<'de> for Value<'de> {
     ) -> Result<V::Value, ReadError> {
         let (span, dx) = (self.value.span(), self.dx);
         let one_key = |message| {
-            Err(ReadError::new(message, "its only key selects one of several kinds: give exactly one"))
+            Err(ReadError::new(message, "its key selects one of several kinds: give exactly one key"))
         };
         let read = match self.value.into_inner() {
             DeValue::String(text) => visitor.visit_enum(CowStrDeserializer::new(text)),

@@ -2,7 +2,8 @@
 //!
 //! Source: OpenUSD, "USDA file format", "Value clips", "UsdGeom", "UsdPreviewSurface". A time code is the number of a frame; the time in
 //! seconds is the attribute `meniscus:time` of the root prim. The number of vertices changes from frame to frame, so a value holds
-//! until the next frame; renderers blur by `velocities`, in units a second of playback. Limit: positions and attributes are in single precision, as the schemas ask.
+//! until the next frame; renderers blur by `velocities`, in units of the positions a second of playback. Limit: positions and attributes are
+//! in single precision, as the schemas ask.
 
 mod layer;
 mod prim;
@@ -67,6 +68,7 @@ fn is_flat(frame: &Frame) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::frame::Attribute;
     use crate::output::frame::formats::tests::{Place, empty_frame, full_frame};
 
     /// The text between the brackets of an attribute's values.
@@ -97,6 +99,21 @@ mod tests {
         assert!(text.contains("string unit = \"deg\""));
         assert!(text.contains("inputs:ior = 1.333\n"));
         assert_eq!(text.matches('{').count(), text.matches('}').count());
+    }
+
+    #[test]
+    fn velocities_are_those_of_the_playback_in_the_unit_of_the_positions() {
+        let (place, mut frame) = (Place::new("usd-velocities"), full_frame());
+        let component = |name, value| Attribute::known(name, vec![value; 4]);
+        frame.liquid.attributes.extend([component("vx", 2.0), component("vy", 0.0), component("vz", -0.5)]);
+        // Half a second from frame to frame is a 24th of a second of playback, and 100 units are a metre: 2 m/s are 2400 units a second.
+        frame.interval = Some(0.5);
+        UsdWriter.write(&place.0, 1, &frame.placed(100.0, 2)).unwrap();
+        let text = place.text("frame_0001.usda");
+        assert!(text.contains("metersPerUnit = 0.01\n"));
+        assert!(values(&text, "liquid", "velocities").starts_with("(2400.0, 0.0, -600.0), "));
+        assert_eq!(values(&text, "liquid", "primvars:vx"), "2.0, 2.0, 2.0, 2.0");
+        assert!(!text.split_once("\"contact_line\"").unwrap().1.contains("velocities"));
     }
 
     #[test]

@@ -224,7 +224,8 @@ fn add_points(properties: &mut Vec<Property>, mesh: &FrameMesh, order: &[u32], s
     properties.extend(mesh.attributes.iter().map(|attribute| Property::primvar(attribute, order)));
 }
 
-/// Width of curves and points, in units of the positions: half the mean length of the edges of the liquid's surface, or of what else there is.
+/// Width of curves and points, in units of the positions: half the mean length of the edges of the liquid's surface, or of the first solid
+/// that has edges.
 fn width(frame: &Frame) -> f32 {
     let meshes = [&frame.liquid].into_iter().chain(frame.solids.iter().map(|(_, mesh)| mesh));
     let mean = |mesh: &FrameMesh| {
