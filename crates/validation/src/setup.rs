@@ -5,14 +5,35 @@ use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
 use meniscus_numerics::{Matrix, Vector};
 use meniscus_sim::{
-    Compiled, LiquidRegion, Model, Numerics, Simulation, Solid, SolidKind, StepError, StepReport, Wall,
+    Compiled, LiquidRegion, Model, Numerics, Scheme, Simulation, Solid, SolidKind, StepError, StepReport,
+    Wall,
 };
 use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
 
 /// Radius of the drops.
 pub const RADIUS: f64 = 0.5;
 /// Surface tension.
 pub const TENSION: f64 = 100.0;
+
+/// The scheme of all simulations that cases start.
+static SCHEME: OnceLock<Scheme> = OnceLock::new();
+
+/// Chooses the scheme of all simulations that cases start in this process; the first choice holds. Without one it is that of Meniscus.
+pub fn choose_scheme(scheme: Scheme) {
+    let _ = SCHEME.set(scheme);
+}
+
+/// A simulation of a model with the chosen scheme and bodies of liquid.
+pub fn started<const D: usize>(mut model: Model<D>, regions: &[LiquidRegion<'_, D>]) -> Simulation<D>
+where
+    Simulation<D>: Compiled<D>,
+{
+    if let Some(scheme) = SCHEME.get() {
+        model.numerics.scheme = *scheme;
+    }
+    Simulation::new(model, regions)
+}
 
 /// A liquid without viscosity and gravity: density 1, tension 100.
 pub fn model<const D: usize>(grid: Grid<D>, walls: [[Wall; 2]; D]) -> Model<D> {
@@ -102,7 +123,7 @@ pub fn in_flight<const D: usize>(
 where
     Simulation<D>: Compiled<D>,
 {
-    Simulation::new(model, &[LiquidRegion { signed_distance, velocity }])
+    started(model, &[LiquidRegion { signed_distance, velocity }])
 }
 
 /// A simulation with bodies of liquid of given shapes and velocities.
@@ -118,7 +139,7 @@ where
         .zip(velocities)
         .map(|(signed_distance, velocity)| LiquidRegion { signed_distance, velocity })
         .collect();
-    Simulation::new(model, &regions)
+    started(model, &regions)
 }
 
 /// Steps to a time; `each` is called after every step.

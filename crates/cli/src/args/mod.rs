@@ -8,7 +8,7 @@ mod verification;
 pub use output::{ExportArgs, MeasureArgs, PageArgs, RenderArgs, UpAxis, ViewArgs, Wetted};
 pub use run::{CheckArgs, LogFormat, Quality, RunArgs, SceneArgs};
 pub use sweep::SweepArgs;
-pub use verification::{BenchArgs, Set, SoakArgs, Solids, VerifyArgs};
+pub use verification::{BenchArgs, ChosenScheme, Set, SoakArgs, Solids, VerifyArgs};
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;

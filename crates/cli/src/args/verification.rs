@@ -14,6 +14,9 @@ pub struct VerifyArgs {
     /// Coarse and short: minutes, not hours.
     #[arg(long)]
     pub quick: bool,
+    /// Scheme of the simulations. That of the paper runs the cases that need nothing else.
+    #[arg(long, value_enum, default_value_t = ChosenScheme::Meniscus)]
+    pub scheme: ChosenScheme,
     /// Number of cases that run at the same time; they share the cores. Two small cases on one thread each take less time than one
     /// after the other on two.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
@@ -35,6 +38,15 @@ pub struct VerifyArgs {
     /// Write the results as a page of Markdown.
     #[arg(long, value_name = "FILE")]
     pub markdown: Option<PathBuf>,
+}
+
+/// A scheme of time steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ChosenScheme {
+    /// The scheme of Meniscus.
+    Meniscus,
+    /// The seven steps of the paper, with its errata corrected.
+    Paper,
 }
 
 /// `meniscus soak`.

@@ -1,9 +1,12 @@
 //! `meniscus verify`.
 
 use super::{print, save, version, with_threads};
-use crate::args::VerifyArgs;
+use crate::args::{ChosenScheme, VerifyArgs};
 use crate::failure::{Failure, MISSED, Result, USAGE};
+use meniscus_sim::Scheme;
+use meniscus_validation::cases::paper;
 use meniscus_validation::report::{self, History};
+use meniscus_validation::setup::choose_scheme;
 use meniscus_validation::{Case, Mode, Outcome, cases, groups};
 use std::fmt::Write as _;
 use std::panic::resume_unwind;
@@ -21,6 +24,9 @@ pub fn verify(args: &VerifyArgs) -> Result {
         }
         print(&out)?;
         return Ok(0);
+    }
+    if args.scheme == ChosenScheme::Paper {
+        choose_scheme(Scheme::Paper);
     }
     earlier_history(args)?;
     let mode = if args.quick { Mode::Quick } else { Mode::Full };
@@ -115,11 +121,11 @@ fn save_results(args: &VerifyArgs, outcomes: &[Outcome], mode: Mode) -> Result<(
         None => Ok(()),
     };
     let mut history = earlier_history(args)?;
-    history.add(outcomes, mode, &version());
-    save(&args.json, &|| format!("{:#}\n", report::json(outcomes, mode, &version())))?;
+    history.add(outcomes, mode, &version_and_scheme(args));
+    save(&args.json, &|| format!("{:#}\n", report::json(outcomes, mode, &version_and_scheme(args))))?;
     save(&args.history, &|| history.text())?;
-    save(&args.html, &|| report::html(outcomes, mode, &version(), &history))?;
-    save(&args.markdown, &|| report::markdown(outcomes, groups(), mode, &version(), &history))
+    save(&args.html, &|| report::html(outcomes, mode, &version_and_scheme(args), &history))?;
+    save(&args.markdown, &|| report::markdown(outcomes, groups(), mode, &version_and_scheme(args), &history))
 }
 
 /// The history in the file of `--history`; empty where there is no such file.
@@ -138,15 +144,24 @@ fn earlier_history(args: &VerifyArgs) -> Result<History> {
 fn earlier_outcomes(args: &VerifyArgs, mode: Mode) -> Result<Vec<Outcome>> {
     let Some(path) = args.json.as_ref().filter(|path| path.exists()) else { return Ok(Vec::new()) };
     let text = std::fs::read_to_string(path).map_err(Failure::file("read", path))?;
-    report::outcomes_of_json(&text, mode, &version()).map_err(|reason| {
+    report::outcomes_of_json(&text, mode, &version_and_scheme(args)).map_err(|reason| {
         Failure::new(USAGE, format!("cannot resume from {}: {reason}", path.display()))
             .help("give another file to --json, or leave out --resume")
     })
 }
 
+/// The version of the program, with the scheme if it is not that of Meniscus.
+fn version_and_scheme(args: &VerifyArgs) -> String {
+    match args.scheme {
+        ChosenScheme::Meniscus => version(),
+        ChosenScheme::Paper => format!("{}, scheme of the paper", version()),
+    }
+}
+
 fn choose(args: &VerifyArgs) -> Result<Vec<&'static Case>> {
+    let can_run = |case: &Case| args.scheme == ChosenScheme::Meniscus || paper::NAMES.contains(&case.name);
     if args.names.is_empty() {
-        return Ok(cases().iter().filter(|case| case.quick || !args.quick).collect());
+        return Ok(cases().iter().filter(|case| can_run(case) && (case.quick || !args.quick)).collect());
     }
     let find = |name: &String| {
         cases().iter().find(|case| case.name == name).ok_or_else(|| {
@@ -154,5 +169,13 @@ fn choose(args: &VerifyArgs) -> Result<Vec<&'static Case>> {
                 .help("`meniscus verify --list` shows them all")
         })
     };
-    args.names.iter().map(find).collect()
+    let chosen: Vec<&Case> = args.names.iter().map(find).collect::<Result<_>>()?;
+    match chosen.iter().find(|case| !can_run(case)) {
+        Some(case) => {
+            let message = format!("the scheme of the paper cannot run the validation case `{}`", case.name);
+            Err(Failure::new(USAGE, message)
+                .help("`meniscus verify --scheme paper --list` shows those that it can"))
+        }
+        None => Ok(chosen),
+    }
 }

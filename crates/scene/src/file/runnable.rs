@@ -64,10 +64,7 @@ fn beyond_the_paper(scene: &Scene) -> Option<(String, &'static str)> {
     let is_free = |m: &Material| matches!(m, Material::Rigid { fixed: false, .. });
     for (i, solid) in scene.solids.iter().enumerate() {
         let at = format!("solid.{i}.material");
-        if solid.material.deforms() {
-            return Some((at, "solids that deform"));
-        }
-        if is_free(&solid.material) && scene.solids.len() > 1 {
+        if (is_free(&solid.material) || solid.material.deforms()) && scene.solids.len() > 1 {
             return Some((at, "contact between solids"));
         }
         if scene.contact_line.friction_on(&solid.name) > 0.0 {

@@ -50,6 +50,9 @@ pub struct Errata {
     /// E12: solids carry the tensions of their surfaces themselves, wetted and dry. As printed wetted surfaces press through Eq. 6, and
     /// dry ones have no tension but at the line.
     pub solid_tensions: bool,
+    /// E27: elastic forces are those at `x^n + Δt v^{n+½}` in Eq. 16 and at `x^{n+1} + ½ Δt v^{n+1}` in Eq. 20, to first order in `Δt`.
+    /// As printed they are explicit, and unstable in steps of the length that the paper has with its stiffnesses.
+    pub implicit_elasticity: bool,
 }
 
 impl Errata {
@@ -65,6 +68,7 @@ impl Errata {
         tangent_at_line: true,
         free_faces: true,
         solid_tensions: true,
+        implicit_elasticity: true,
     };
     /// The paper as printed, misprints aside.
     pub const AS_PRINTED: Self = Self {
@@ -78,6 +82,7 @@ impl Errata {
         tangent_at_line: false,
         free_faces: false,
         solid_tensions: false,
+        implicit_elasticity: false,
     };
     /// The state of the first implementation: E3 and E6 to E9 corrected, and nothing else.
     #[cfg(test)]

@@ -5,9 +5,11 @@
 //! ```
 //!
 //! Elasticity and gravity act explicitly ([`explicit_velocities`]); damping is in the matrix of the coupled system
-//! ([`SolidUnknowns::damping`](super::coupling::solids::SolidUnknowns::damping)).
+//! ([`SolidUnknowns::implicit_forces`](super::coupling::solids::SolidUnknowns::implicit_forces)).
 //!
-//! Limit: the explicit elasticity is stable up to `Δt ω = √2` of the highest vibration in the scheme of Section 6.
+//! Limit: explicit elasticity is stable up to `Δt ω = √2` of the highest vibration in the scheme of Section 6. With
+//! [`implicit_elasticity`](super::Errata::implicit_elasticity) (E27) the change of the elastic forces by the new velocity is in that matrix,
+//! too. A vibration of frequency `ω` then shrinks by `1/(1 + ½ (Δt ω)²)` a step.
 
 use crate::model::Model;
 use crate::solid::{SolidKind, SolidState, Solids};

@@ -2,6 +2,7 @@
 
 mod elastic;
 pub(crate) mod liquid;
+pub mod paper;
 pub(crate) mod rigid;
 pub(crate) mod soft;
 mod solver;

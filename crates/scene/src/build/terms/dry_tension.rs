@@ -1,11 +1,11 @@
 //! Tension of the dry surface of a deformable solid.
 
 use crate::error::SceneError;
-use crate::file::{Scene, Solid as SolidSpec, SolidTension};
+use crate::file::{Scene, Scheme, Solid as SolidSpec, SolidTension};
 use meniscus_elastic::{DiscreteGradientTerm, SurfaceTension};
 use meniscus_numerics::mesh::VolumeMesh;
 
-/// The term of a solid, if its dry surface has a tension.
+/// The term of a solid, if its dry surface has a tension. In the scheme of the paper the contact line has the tensions of both sides.
 ///
 /// # Errors
 /// [`SceneError`] where `neumann` asks for a balance that does not exist.
@@ -14,7 +14,7 @@ pub fn term<const D: usize>(
     spec: &SolidSpec,
     mesh: &VolumeMesh<D>,
 ) -> Result<Option<Box<dyn DiscreteGradientTerm<D>>>, SceneError> {
-    let tension = dry_surface_tension(scene, spec)?;
+    let tension = dry_surface_tension(scene, spec)?.filter(|_| scene.numerics.scheme != Scheme::Paper);
     Ok(tension.map(|tension| Box::new(SurfaceTension::new(mesh, tension)) as Box<_>))
 }
 

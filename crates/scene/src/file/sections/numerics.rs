@@ -70,7 +70,7 @@ fn is_unbounded(step: &f64) -> bool {
 pub enum Scheme {
     /// One coupled solve per step; capillary forces are gradients of the surface energy.
     Meniscus,
-    /// The seven steps of the paper's Section 6, with its errata corrected, for comparison: liquid and rigid
+    /// The seven steps of the paper's Section 6, with its errata corrected, for comparison: liquid and
     /// solids without contact. Of this section it uses `cfl`, `max_step`, `fixed_step`, `capillary_step` up to 1,
     /// `tolerance`, twenty times `max_iterations`, and `threads`.
     Paper,

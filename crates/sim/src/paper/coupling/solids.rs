@@ -129,17 +129,18 @@ impl<'a, const D: usize> SolidUnknowns<'a, D> {
         SparseMatrix::of_entries([self.count(); 2], entries)
     }
 
-    /// The implicit part of Eq. 7, `−Δt D_s` for a step of `dt` (s), kg (2D: kg/m): damping proportional to the stiffness of deformable
-    /// solids. Positive semidefinite; rigid motions are not damped.
-    pub fn damping(&self, dt: f64) -> SparseMatrix {
+    /// The implicit part of Eq. 7, `−Δt D_s + Δt τ K` for forces that act for `Δt` = `dt` (s) and belong to positions `τ` = `lookahead` (s)
+    /// later, kg (2D: kg/m): damping proportional to the stiffness of deformable solids, which rigid motions do not feel, and their
+    /// stiffness (E27). Positive semidefinite.
+    pub fn implicit_forces(&self, dt: f64, lookahead: f64) -> SparseMatrix {
         let mut entries = Vec::new();
         for (number, solid) in self.solids.iter().enumerate() {
             let (Some(elastic), Some(body)) = (solid.elastic(), solid.state.as_deformable()) else {
                 continue;
             };
-            let weights =
-                TangentWeights { stiffness: 0.0, project_psd: true, viscosity: dt * elastic.damping_time() };
-            if weights.viscosity == 0.0 {
+            let (stiffness, viscosity) = (dt * lookahead, dt * elastic.damping_time());
+            let weights = TangentWeights { stiffness, project_psd: true, viscosity };
+            if stiffness == 0.0 && viscosity == 0.0 {
                 continue;
             }
             let place = |vertex: usize, a: usize| self.firsts[number] + (vertex * D + a) as u32;

@@ -149,7 +149,7 @@ fn rows<const D: usize>(scene: &Scene<D>, errata: Errata) -> Rows<D> {
     let (map, unknowns) = (scene.solid_map(), SolidUnknowns::new(scene.solids()));
     let (embedding, mass) = (unknowns.embedding(&scene.meshes), unknowns.mass());
     let (damping, start, is_prescribed) =
-        (unknowns.damping(DT), unknowns.velocities(), unknowns.is_prescribed());
+        (unknowns.implicit_forces(DT, 0.0), unknowns.velocities(), unknowns.is_prescribed());
     let momentum = SolidMomentum {
         embedding: &embedding,
         mass: &mass,

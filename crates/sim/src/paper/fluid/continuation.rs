@@ -8,7 +8,9 @@
 //!
 //! With the continuation the surface ends nowhere: it is carried and made a distance as if the solid were not there, and no corner at
 //! the line is rounded. It imposes no contact angle: the surface goes on as it is above the solid. Without its bend, `c = 0`, redistancing
-//! moves the line by a tenth of a cell in fifteen steps at 120 degrees.
+//! moves the line by a tenth of a cell in fifteen steps at 120 degrees. Where the surface nearest to the first sample is itself a continuation
+//! that does not lead out of the solid again, the liquid or the air above goes on: without this the bottom of a ball that a floor
+//! cuts would stay below the floor when the drop has spread.
 //!
 //! Limit: curvatures are taken from above the solid ([`SurfaceShape`]), since beside it they would follow from the continuation.
 
@@ -39,23 +41,26 @@ pub fn continue_into_solids<const D: usize>(
         } else if depth > MAX_DEPTH_CELLS {
             limit
         } else {
-            continuation(shape, &x, depth).clamp(-limit, limit)
+            continuation(shape, &x, depth, limit)
         }
     };
     CellField { grid, data: par::map(field.data.len(), 256, of) }
 }
 
-/// The continuation at a point (m) at a depth, in cells; m.
-fn continuation<const D: usize>(shape: &SurfaceShape<'_, D>, x: &Vector<D>, depth: f64) -> f64 {
+/// The continuation at a point (m) at a depth, in cells, and at most `limit` (m); m.
+fn continuation<const D: usize>(shape: &SurfaceShape<'_, D>, x: &Vector<D>, depth: f64, limit: f64) -> f64 {
     let dx = shape.grid.dx;
     let normal = (shape.side)(x).1;
     let [first, second] = SAMPLE_HEIGHTS_CELLS;
     let above = |height: f64| x + normal * ((depth + height) * dx);
     let [low, high] = SAMPLE_HEIGHTS_CELLS.map(|h| shape.phi.cubic(&above(h)));
     let linear = low + (low - high) * (depth + first) / (second - first);
-    if linear.abs() > MAX_BENT_CELLS * dx {
-        return linear;
+    if linear * low < 0.0 && !shape.leaves_solid(&above(first)) {
+        return low.signum() * limit;
     }
-    linear
-        + 0.5 * dx * dx * shape.second_derivative(&above(first), &normal) * (depth + first) * (depth + second)
+    if linear.abs() > MAX_BENT_CELLS * dx {
+        return linear.clamp(-limit, limit);
+    }
+    let curvature = shape.second_derivative(&above(first), &normal);
+    (linear + 0.5 * dx * dx * curvature * (depth + first) * (depth + second)).clamp(-limit, limit)
 }

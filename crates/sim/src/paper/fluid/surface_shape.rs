@@ -74,6 +74,19 @@ impl<const D: usize> SurfaceShape<'_, D> {
         if is_on_surface && (self.side)(&moved).0 > distance { moved } else { at }
     }
 
+    /// Whether the surface closest to `x` (m) is outside solids, or leads out of them along its tangent.
+    pub fn leaves_solid(&self, x: &Vector<D>) -> bool {
+        let (at, normal) = self.on_surface(x);
+        let (distance, away) = (self.side)(&at);
+        if distance >= 0.0 {
+            return true;
+        }
+        let along = away - normal * away.dot(&normal);
+        let Some(direction) = along.try_normalize(MIN_TANGENT) else { return false };
+        let emerged = at - direction * (distance / along.norm());
+        self.phi.linear(&emerged).abs() < MAX_MISS_CELLS * self.grid.dx
+    }
+
     /// Mean of a quantity of cells around a point (m), by the weights of linear interpolation.
     fn interpolate<T>(&self, x: &Vector<D>, of: impl Fn([isize; D]) -> T, mut add: impl FnMut(f64, T)) {
         let place: Vector<D> =

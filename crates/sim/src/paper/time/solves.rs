@@ -41,18 +41,19 @@ pub struct Solved {
 }
 
 impl SolidSystem {
-    /// The system of solids with surfaces, m, and of the velocities of their nodes before the solve, for a step of `dt`, s.
+    /// The system of solids with surfaces, m, and of the velocities of their nodes before the solve. Their forces act for `dt`, s, and belong
+    /// to positions `lookahead`, s, later ([`Errata::implicit_elasticity`](crate::paper::Errata::implicit_elasticity)).
     pub fn new<const D: usize>(
         solids: Solids<'_, D>,
         surfaces: &[SurfaceMesh<D>],
         starts: Vec<Vec<Vector<D>>>,
-        dt: f64,
+        [dt, lookahead]: [f64; 2],
     ) -> Self {
         let unknowns = SolidUnknowns::new(solids);
         Self {
             embedding: unknowns.embedding(surfaces),
             mass: unknowns.mass(),
-            damping: unknowns.damping(dt),
+            damping: unknowns.implicit_forces(dt, lookahead),
             start: unknowns.values(starts),
             is_prescribed: unknowns.is_prescribed(),
         }

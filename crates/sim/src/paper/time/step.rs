@@ -101,6 +101,11 @@ impl<const D: usize> PaperScheme<D> {
         })
     }
 
+    /// Time, s, by which the positions of elastic forces in Eq. 16 are later than the start of a step of `dt`, s.
+    fn lookahead(&self, dt: f64) -> f64 {
+        if self.errata.implicit_elasticity { dt } else { 0.0 }
+    }
+
     /// Steps 1 and 2: the solids at the end of the step, with their velocities at its start.
     fn move_solids(
         &self,
@@ -112,7 +117,8 @@ impl<const D: usize> PaperScheme<D> {
         let mut velocity = state.velocity.clone();
         add_viscosity_and_gravity(&self.model, &mut velocity, 0.5 * dt);
         let views = before.solids(self, solids);
-        let system = SolidSystem::new(views, &before.meshes, explicit_velocities(views, 0.5 * dt), 0.5 * dt);
+        let times = [0.5 * dt, self.lookahead(dt)];
+        let system = SolidSystem::new(views, &before.meshes, explicit_velocities(views, 0.5 * dt), times);
         let rows = solid_rows(&self.liquid(before, &velocity), &before.map, &system.momentum());
         let Solved { unknowns, report, .. } = self.solve(before, &rows, &mut velocity, 0.0)?;
         let nodes = SolidUnknowns::new(views).node_velocities(&unknowns);
@@ -156,7 +162,8 @@ impl<const D: usize> PaperScheme<D> {
     ) -> Result<(SolveReport, u64), SolveError> {
         let lines = forces.lines;
         let views = after.solids(self, &moved);
-        let system = SolidSystem::new(views, &after.meshes, explicit_velocities(views, dt), dt);
+        let times = [dt, 0.5 * self.lookahead(dt)];
+        let system = SolidSystem::new(views, &after.meshes, explicit_velocities(views, dt), times);
         let mut on_vertices = lines.vertex_impulses(dt);
         let unreached = match self.errata.free_faces {
             true => Some(self.push_free_faces(lines, after, velocity, &mut on_vertices, dt)),

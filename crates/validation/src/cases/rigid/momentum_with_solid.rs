@@ -1,7 +1,7 @@
 //! Momentum of drops and of the free plate that they wet.
 
 use crate::measure::{at_most, bars, checks_or_failure, volume_and_centroid_outside};
-use crate::setup::{across_and_up, grid_offset, run_to, unit_model};
+use crate::setup::{across_and_up, grid_offset, run_to, started, unit_model};
 use crate::{Case, Check, Mode};
 use meniscus_numerics::grid::Grid;
 use meniscus_numerics::shape::Shape;
@@ -140,7 +140,7 @@ where
         .iter()
         .map(|signed_distance| LiquidRegion { signed_distance, velocity: Vector::zeros() })
         .collect();
-    Simulation::new(model, &bodies)
+    started(model, &bodies)
 }
 
 /// Centre of mass of liquid and plate.

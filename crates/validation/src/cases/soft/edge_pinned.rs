@@ -1,7 +1,7 @@
 //! Drops whose contact lines are pinned at the edges of a plate.
 //!
-//! Limit: force and moment are not steady in this version. The force on the plate jumps from step to step, with a standard deviation of 2
-//! to 104 % of the drop's weight, about a mean that is right within 0.6 %; shorter steps do not help. The cause is not known. A line
+//! Limit: force and moment are not steady in this version. The force on the plate jumps from step to step, with a standard deviation of 3
+//! to 154 % of the drop's weight, about a mean that is right within 0.9 %; shorter steps do not help. The cause is not known. A line
 //! pinned at an edge crosses a kink of the surface energy from step to step; but on a flat wall, too, the force of a cap at Young's
 //! angle varies by a tenth of the tension, with jumps, as its line moves through a cell. The case has the tolerances of a drop at rest;
 //! it is not part of `verify --quick`.

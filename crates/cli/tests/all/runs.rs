@@ -1,10 +1,6 @@
 //! Runs end, stop, fail, go on, and are the same bits however they were cut.
-#![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::{Place, assert_same, frames, series, signal, text, wait_for, wait_for_frames, words};
+use crate::common::{Place, assert_same, frames, series, signal, text, wait_for, wait_for_frames, words};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use std::path::Path;
 use std::process::Command;
@@ -245,7 +241,7 @@ fn the_contact_line_is_written_and_its_angle_expected() {
     place.expect("run plate.toml --out parts --resume --quiet", 0);
     assert_same(&whole, &place.path("parts"));
 
-    let strict = common::PLATE.replace("\"80 deg\"", "\"0.001 deg\"");
+    let strict = crate::common::PLATE.replace("\"80 deg\"", "\"0.001 deg\"");
     std::fs::write(place.path("plate.toml"), strict).unwrap();
     let missed = place.run("run plate.toml --out missed");
     let said = words(&(text(&missed.stdout) + &text(&missed.stderr)));
@@ -257,7 +253,7 @@ fn meshes_that_are_built_in_are_found_from_anywhere() {
     let place = Place::new("mesh");
     let duck = "[[solid]]\nname = \"duck\"\nmaterial.rigid = { fixed = true }\n\
                 shape.mesh = { file = \"builtin:duck.obj\", scale = \"0.3 mm\", translate = [\"1.5 mm\", \"1.5 mm\", \"0.5 mm\"] }\n";
-    let scene = common::SCENE
+    let scene = crate::common::SCENE
         .replace("dimension = 2\nsize = [\"3 mm\", ", "dimension = 3\nsize = [\"3 mm\", \"3 mm\", ")
         .replace(
             "center = [\"1.5 mm\", \"1.5 mm\"], radius = \"0.9 mm\"",

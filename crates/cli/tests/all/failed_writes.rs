@@ -1,11 +1,7 @@
 //! Every write, sync and rename of a run fails once: the command says so, the last checkpoint is whole, and the run goes on to the same
-//! bits. A library that is preloaded (`failed_writes/interposer.rs`) makes them fail.
-#![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+//! bits. A library that is preloaded (`preload/interposer.rs`) makes them fail.
 
-mod common;
-
-use common::{PLATE, Place, assert_same, text};
+use crate::common::{PLATE, Place, assert_same, text};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -14,7 +10,7 @@ const MOST: usize = 1000;
 
 /// Compiles the library; none where there is no `rustc`.
 fn interposer(place: &Place) -> Option<PathBuf> {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/failed_writes/interposer.rs");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/preload/interposer.rs");
     let library = place.path("interposer.so");
     let mut compiler = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
     compiler.args(["--edition", "2024", "-O", "--crate-type", "cdylib"]).arg(source).arg("-o").arg(&library);

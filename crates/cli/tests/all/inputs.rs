@@ -1,9 +1,6 @@
 //! Every bad input has a clear message and the right exit status.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::{Place, text, words};
+use crate::common::{Place, text, words};
 
 fn refused(place: &Place, line: &str, status: i32, parts: &[&str]) {
     let message = words(&place.expect(line, status));
@@ -14,8 +11,8 @@ fn refused(place: &Place, line: &str, status: i32, parts: &[&str]) {
 
 /// The scene with one piece of text replaced.
 fn change(place: &Place, from: &str, to: &str) {
-    assert!(common::SCENE.contains(from));
-    std::fs::write(place.path("changed.toml"), common::SCENE.replace(from, to)).unwrap();
+    assert!(crate::common::SCENE.contains(from));
+    std::fs::write(place.path("changed.toml"), crate::common::SCENE.replace(from, to)).unwrap();
 }
 
 #[test]
@@ -49,7 +46,7 @@ fn missing_files_are_named() {
     refused(&place, "render nowhere", 4, &["nowhere"]);
     refused(&place, "page nowhere", 4, &["nowhere"]);
     refused(&place, "measure nowhere", 4, &["nowhere", "output folder"]);
-    let text = common::SCENE
+    let text = crate::common::SCENE
         .replace("dimension = 2", "dimension = 3")
         .replace("size = [\"3 mm\", \"3 mm\"]", "size = [\"3 mm\", \"3 mm\", \"3 mm\"]");
     let (before, rest) = text.split_once("shape.perturbed_ball").unwrap();
@@ -57,7 +54,7 @@ fn missing_files_are_named() {
     let text = format!("{before}shape.mesh = {{ file = \"no-such-mesh.stl\" }}\n{after}");
     std::fs::write(place.path("mesh.toml"), text).unwrap();
     let output = place.run("run mesh.toml");
-    let message = words(&common::text(&output.stderr));
+    let message = words(&crate::common::text(&output.stderr));
     assert!(message.contains("no-such-mesh.stl"), "{message}");
     assert!(matches!(output.status.code(), Some(3 | 4)), "{message}");
 }
@@ -67,7 +64,7 @@ fn what_cannot_run_is_refused_before_the_first_step() {
     let place = Place::new("cannot");
     let solid = "[[solid]]\nname = \"plate\"\ndensity = \"2.5 g/cm^3\"\n\
                  shape.box = { lower = [0, 0], upper = [\"3 mm\", \"0.2 mm\"] }\nmaterial.shell = { young_modulus = \"1 MPa\", poisson_ratio = 0.3, thickness = \"0.2 mm\" }\n";
-    std::fs::write(place.path("solid.toml"), common::SCENE.to_string() + solid).unwrap();
+    std::fs::write(place.path("solid.toml"), crate::common::SCENE.to_string() + solid).unwrap();
     refused(&place, "run solid.toml", 3, &["thin sheets", "solid.toml"]);
     refused(&place, "run small.toml --set domain.resolution=16000", 3, &["memory"]);
     refused(&place, "run small.toml --set numerics.scheme=printed", 3, &["printed", "paper"]);

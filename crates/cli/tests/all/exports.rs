@@ -1,10 +1,6 @@
 //! Formats of frames: written by a run, and exported from its folder.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::{PLATE, Place, words};
+use crate::common::{PLATE, Place, words};
 use meniscus_numerics::mesh::ply::PlyMesh;
 use std::path::Path;
 

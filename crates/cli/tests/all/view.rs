@@ -1,10 +1,6 @@
 //! `meniscus view`: a server that shows a run, or a scene that is saved again and again, to browsers of this machine alone.
-#![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::{Place, signal, wait_for, words};
+use crate::common::{Place, signal, wait_for, words};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::Child;

@@ -1,5 +1,4 @@
 //! What the tests of the binary share: a small scene, temporary folders, ways to run and compare.
-#![allow(dead_code)]
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};

@@ -1,12 +1,9 @@
 //! Every command of the README and of `meniscus --help` works, in the order in which it is written.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::{Place, text};
+use crate::common::{Place, text};
 use meniscus_scene::builtin::BUILTINS;
 
-const README: &str = include_str!("../../../README.md");
+const README: &str = include_str!("../../../../README.md");
 
 /// The lines of the README's `sh` blocks.
 fn of_readme() -> Vec<String> {

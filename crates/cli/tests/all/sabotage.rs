@@ -1,7 +1,6 @@
 //! The defects that the validation suite must notice (`crates/validation/examples/sabotage`) fit the source, and every case has one.
-#![allow(clippy::unwrap_used)]
 
-#[path = "../../validation/examples/sabotage/defects.rs"]
+#[path = "../../../validation/examples/sabotage/defects.rs"]
 mod defects;
 
 use defects::DEFECTS;

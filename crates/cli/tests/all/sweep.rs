@@ -1,10 +1,6 @@
 //! Sweeps: cases are runs like any other, in any number of processes, stopped and continued; thresholds are found.
-#![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::{Place, assert_same, signal, text, wait_for, wait_for_frames, words};
+use crate::common::{Place, assert_same, signal, text, wait_for, wait_for_frames, words};
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::time::SystemTime;
