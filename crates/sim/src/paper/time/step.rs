@@ -21,6 +21,7 @@ use super::scheme::PaperScheme;
 use super::solves::{SolidSystem, Solved};
 use super::state::PaperState;
 use super::transport::{add_viscosity_and_gravity, advect_level_set, advect_velocity, extend_velocity};
+use crate::model::time_step::MAX_FORCED_DEFORMATION_INCREMENT;
 use crate::paper::coupling::line_map::push_faces;
 use crate::paper::coupling::momentum::{solid_rows, with_line};
 use crate::paper::coupling::solids::SolidUnknowns;
@@ -54,7 +55,7 @@ impl<const D: usize> PaperScheme<D> {
     /// Advances a state by `dt`, s.
     ///
     /// # Errors
-    /// [`SolveError`] of one of the solves; the state is then as before.
+    /// [`SolveError`] of one of the solves, and [`SolveError::DeformationTooLarge`]; the state is then as before.
     pub fn step(&self, state: &mut PaperState<D>, dt: f64) -> Result<PaperReport<D>, SolveError> {
         let mut solids = state.solids.clone();
         set_prescribed_velocities(&self.model, &mut solids, state.time, dt);
@@ -124,6 +125,11 @@ impl<const D: usize> PaperScheme<D> {
         let nodes = SolidUnknowns::new(views).node_velocities(&unknowns);
         let mut moved = solids.to_vec();
         for ((solid, now), nodes) in self.model.solids.iter().zip(&mut moved).zip(&nodes) {
+            let rate = solid.elastic().map_or(0.0, |elastic| elastic.max_deformation_rate(nodes));
+            let (increment, limit) = (rate * dt, MAX_FORCED_DEFORMATION_INCREMENT);
+            if increment > limit {
+                return Err(SolveError::DeformationTooLarge { increment, limit });
+            }
             let start = now.node_velocities();
             solid.set_node_velocities(now, nodes);
             solid.advance(now, state.time, dt);
