@@ -217,7 +217,8 @@ fn a_beam_comes_to_rest_where_gravity_bends_it_in_long_steps() {
     let exact = 1.5 * 0.5f64.powi(4) * 0.91 / (1e3 * 0.06f64.powi(2));
     let [implicit, explicit] = [true, false].map(tip_deflection);
     println!("{implicit} {explicit} {exact}");
-    assert!((implicit / exact - 1.0).abs() < 0.03, "{implicit} {exact}");
+    // Shear adds, and the large deflection takes away, some tenths of a per cent.
+    assert!((implicit / exact - 1.0).abs() < 0.01, "{implicit} {exact}");
     assert!(explicit.is_infinite(), "explicit elasticity should be unstable: {explicit}");
 }
 
