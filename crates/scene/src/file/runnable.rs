@@ -74,6 +74,9 @@ fn beyond_the_paper(scene: &Scene) -> Option<(String, &'static str)> {
     if scene.contact_line.hysteresis.is_some() {
         return Some(("contact_line.hysteresis".to_string(), "hysteresis"));
     }
+    if scene.contact_line.neumann {
+        return Some(("contact_line.neumann".to_string(), "Neumann's balance of tensions"));
+    }
     scene.has_wetting_walls().then(|| ("domain.wall_contact_angle".to_string(), "sides that wet"))
 }
 

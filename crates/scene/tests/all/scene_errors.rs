@@ -229,6 +229,8 @@ friction = \"0.3 Pa s\"
     ));
     assert!(e.message.contains("friction of contact lines with numerics.scheme"), "{e}");
     assert_eq!(marked(&e), "\"0.3 Pa s\"");
+    let e = bad_text(&format!("{GOOD}{SOLID}{paper}[contact_line]\nneumann = true\n"));
+    assert!(e.message.contains("Neumann's balance of tensions with numerics.scheme"), "{e}");
     let e = bad_text(&format!("{GOOD}\n[contact_line]\nneumann = true\n"));
     assert!(e.message.contains("no solid deforms"), "{e}");
 }
