@@ -5,6 +5,7 @@ use crate::failure::Result;
 use meniscus_scene::build::{AnySetup, displaced_liquid};
 use meniscus_scene::builtin;
 use meniscus_scene::estimate::memory;
+use meniscus_scene::expect::ensure_columns;
 use meniscus_scene::file::{LoadOptions, Quality, Scene, ensure_runnable};
 use meniscus_scene::run::Job;
 use std::path::{Path, PathBuf};
@@ -39,6 +40,7 @@ pub fn load(args: &SceneArgs, more: &[String]) -> Result<Loaded> {
 /// Refuses a scene that this version or this machine cannot run.
 pub fn check_runnable(scene: &Scene) -> Result<()> {
     ensure_runnable(scene)?;
+    ensure_columns(scene)?;
     memory::check_liquid_memory(scene, memory::machine_memory())?;
     Ok(())
 }

@@ -239,6 +239,7 @@ pub fn model<const D: usize>(scene: &Scene) -> Model<D> {
             scheme: match n.scheme {
                 Scheme::Meniscus => meniscus_sim::Scheme::Meniscus,
                 Scheme::Paper => meniscus_sim::Scheme::Paper,
+                Scheme::PaperAsPrinted => meniscus_sim::Scheme::PaperAsPrinted,
             },
             cfl: n.cfl,
             capillary_step: n.capillary_step,

@@ -19,7 +19,7 @@ macro_rules! scene {
 }
 
 /// Every built-in scene, cheap ones first.
-pub const BUILTINS: [Builtin; 71] = [
+pub const BUILTINS: [Builtin; 74] = [
     scene!("oscillating-drop-2d", 2, "A disc of water of 1 mm radius oscillates in mode 2", "a few seconds"),
     scene!("capillary-wave-2d", 2, "A standing capillary wave of 1 cm on water", "a few seconds"),
     scene!("dam-break-2d", 2, "A column of water collapses in a tank (Martin and Moyce)", "a few seconds"),
@@ -293,7 +293,7 @@ pub const BUILTINS: [Builtin; 71] = [
         3,
         Some("Fig. 20"),
         "A drop on a cantilever without a contact line: it rests at 90 degrees whatever the tensions",
-        "a quarter of an hour; --quality draft: five minutes"
+        "half an hour; --quality draft: ten minutes"
     ),
     scene!(
         "colliding-drops",
@@ -375,6 +375,27 @@ pub const BUILTINS: [Builtin; 71] = [
         3,
         Some("Fig. 15"),
         "A drop folds a square sheet around itself",
+        "forty minutes"
+    ),
+    scene!(
+        "fig16-radius-2",
+        3,
+        Some("Fig. 16"),
+        "A drop folds a square sheet, with the line's force spread over 2 cells",
+        "forty minutes"
+    ),
+    scene!(
+        "fig16-radius-3",
+        3,
+        Some("Fig. 16"),
+        "A drop folds a square sheet, with the line's force spread over 3 cells",
+        "forty minutes"
+    ),
+    scene!(
+        "fig16-radius-4",
+        3,
+        Some("Fig. 16"),
+        "A drop folds a square sheet, with the line's force spread over 4 cells",
         "forty minutes"
     ),
     scene!(

@@ -6,6 +6,7 @@ use crate::build::AnySetup;
 use crate::build::displaced_liquid::{DisplacedBody, check_displaced, displaced_bodies};
 use crate::error::SceneError;
 use crate::estimate::scales::{ball_radius, liquid_volume, norm, radius, smallest_radius, typical_speed};
+use crate::expect::ensure_columns;
 use crate::file::{Material, Scene, WALLS, Warning};
 use crate::units::format_si;
 use serde::Serialize;
@@ -198,7 +199,7 @@ struct BuiltReport {
 fn check_setup(scene: &Scene, warnings: &mut Vec<Warning>) -> BuiltReport {
     let supported = crate::file::ensure_runnable(scene);
     let is_unsupported = supported.is_err();
-    let setup = supported.and_then(|()| AnySetup::of(scene));
+    let setup = supported.and_then(|()| ensure_columns(scene)).and_then(|()| AnySetup::of(scene));
     let displaced = setup.as_ref().map_or_else(|_| Vec::new(), |setup| displaced_bodies(scene, setup));
     let cut = check_displaced(scene, &displaced);
     warnings.extend(cut.as_ref().cloned().unwrap_or_default());

@@ -58,7 +58,7 @@ pub fn ensure_runnable(scene: &Scene) -> Result<(), SceneError> {
 
 /// What the scheme of the paper cannot do, if the scene has chosen it: the place, and its name.
 fn beyond_the_paper(scene: &Scene) -> Option<(String, &'static str)> {
-    if scene.numerics.scheme != Scheme::Paper {
+    if scene.numerics.scheme == Scheme::Meniscus {
         return None;
     }
     let is_free = |m: &Material| matches!(m, Material::Rigid { fixed: false, .. });

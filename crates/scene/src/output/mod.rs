@@ -11,4 +11,4 @@ pub mod time_series;
 
 pub use atomic_file::FileError;
 pub use folder::{Folder, FolderError};
-pub use solid_measures::SolidMeasures;
+pub use solid_measures::{SolidMeasures, solid_columns};

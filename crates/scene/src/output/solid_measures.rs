@@ -14,6 +14,8 @@ use std::fmt::Write as _;
 const EQUAL_DISTANCE_TOLERANCE: f64 = 1e-6;
 /// Most anchored vertices that distances are measured from.
 const MAX_ANCHOR_SAMPLES: usize = 2000;
+/// Most vertices of a tip whose distances from each other are measured.
+const MAX_TIP_SAMPLES: usize = 500;
 /// Ratio of horizontal to vertical distance below which two points lie one above the other up to rounding.
 const VERTICAL_TOLERANCE: f64 = 1e-9;
 /// Names of the axes.
@@ -39,17 +41,7 @@ impl SolidMeasures {
 
     /// Names of the columns, solid by solid, from the names of the solids.
     pub fn columns<'a, const D: usize>(&self, names: impl Iterator<Item = &'a str>) -> Vec<String> {
-        let of = |(tip, name): (&Option<Vec<u32>>, &str)| {
-            let angles = if D == 2 { &["left", "right"][..] } else { &["mean", "least", "largest"] };
-            let mut columns: Vec<String> = angles.iter().map(|a| format!("angle_{name}_{a}")).collect();
-            columns.extend([format!("base_radius_{name}"), format!("wetted_{name}")]);
-            if tip.is_some() {
-                columns.push(format!("deflection_{name}"));
-                columns.extend(AXES[..D].iter().map(|axis| format!("tip_{name}_{axis}")));
-            }
-            columns
-        };
-        self.tips.iter().zip(names).flat_map(of).collect()
+        self.tips.iter().zip(names).flat_map(|(tip, name)| solid_columns(name, D, tip.is_some())).collect()
     }
 
     /// The cells of a row in the order of the columns; empty where there is no value.
@@ -68,14 +60,69 @@ impl SolidMeasures {
             line_angles(&points, &centroid).into_iter().for_each(&mut put);
             put(base_radius(&points));
             put(Some(simulation.wetted_fraction(number)));
+            put(Some(line_loops(line, number) as f64));
             if let Some(tip) = tip {
                 put(deflection(&simulation.solid(number)));
                 let at = tip_position(simulation, number, tip);
                 (0..D).for_each(|a| put(at.map(|x| x[a])));
+                let (width, spread) = tip_width_and_spread(simulation, number, tip).unzip();
+                put(width);
+                put(spread);
             }
         }
         row
     }
+}
+
+/// Names of the columns of a solid, in the order of [`SolidMeasures::cells`].
+pub fn solid_columns(name: &str, dimension: usize, deforms: bool) -> Vec<String> {
+    let angles = if dimension == 2 { &["left", "right"][..] } else { &["mean", "least", "largest"] };
+    let mut columns: Vec<String> = angles.iter().map(|a| format!("angle_{name}_{a}")).collect();
+    columns.extend([format!("base_radius_{name}"), format!("wetted_{name}"), format!("line_loops_{name}")]);
+    if deforms {
+        columns.push(format!("deflection_{name}"));
+        columns.extend(AXES[..dimension].iter().map(|axis| format!("tip_{name}_{axis}")));
+        columns.extend([format!("tip_width_{name}"), format!("tip_spread_{name}")]);
+    }
+    columns
+}
+
+/// Number of connected parts of the contact line on a solid; in 2D that of its points.
+fn line_loops<const D: usize>(line: &ContactLine<D>, number: usize) -> usize {
+    let mut parent: Vec<u32> = (0..line.points.len() as u32).collect();
+    fn root(parent: &mut [u32], mut i: u32) -> u32 {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    }
+    for [a, b] in &line.segments {
+        let [a, b] = [root(&mut parent, *a), root(&mut parent, *b)];
+        parent[a.max(b) as usize] = a.min(b);
+    }
+    let is_root = |i: &usize| parent[*i] as usize == *i && line.points[*i].solid as usize == number;
+    (0..parent.len()).filter(is_root).count()
+}
+
+/// Largest distance between two vertices of the tip, and how far their distances from the solid's centre of mass lie apart, m.
+fn tip_width_and_spread<const D: usize>(
+    simulation: &Simulation<D>,
+    number: usize,
+    tip: &[u32],
+) -> Option<(f64, f64)> {
+    let now = &simulation.state.solids[number];
+    let positions = &now.as_deformable()?.vertices.positions;
+    let center = now.center_of_mass();
+    let points: Vec<Vector<D>> = tip
+        .iter()
+        .step_by(tip.len().div_ceil(MAX_TIP_SAMPLES).max(1))
+        .map(|v| positions[*v as usize])
+        .collect();
+    let pairs = points.iter().enumerate().flat_map(|(i, x)| points[..i].iter().map(move |y| (x - y).norm()));
+    let width = pairs.fold(0.0, f64::max);
+    let distances = || points.iter().map(|x| (x - center).norm());
+    Some((width, distances().fold(0.0, f64::max) - distances().fold(f64::INFINITY, f64::min)))
 }
 
 /// The surface vertices of a solid that at rest are farthest from its anchored parts, or from the centroid of its surface vertices if

@@ -63,7 +63,7 @@ pub const COLUMNS: &[&str] = &[
 ];
 
 /// Columns of the liquid's force on a solid, N (2D: N/m).
-fn force_columns(solid: &str) -> impl Iterator<Item = String> {
+pub fn force_columns(solid: &str) -> impl Iterator<Item = String> {
     ["x", "y", "z"].into_iter().map(move |axis| format!("force_{solid}_{axis}"))
 }
 

@@ -5,6 +5,7 @@
 use meniscus_scene::build::AnySetup;
 use meniscus_scene::error::SceneError;
 use meniscus_scene::estimate::memory;
+use meniscus_scene::expect::ensure_columns;
 use meniscus_scene::file::{LoadOptions, Scene, ensure_runnable};
 use meniscus_scene::output::frame::Format;
 use std::path::Path;
@@ -59,6 +60,21 @@ fn bad_text(text: &str) -> SceneError {
 
 fn marked(e: &SceneError) -> &str {
     &e.source_text[e.span.clone().expect("a span")]
+}
+
+#[test]
+fn bounds_of_the_time_series_name_a_column_and_a_bound() {
+    let with = |bound: &str| format!("{GOOD}{SOLID}[expect]\nseries = {bound}\n");
+    let e = bad_text(&with("{ column = \"max_speed\" }"));
+    assert!(e.message.contains("not bounded"), "{e}");
+    let e = bad_text(&with("{ column = \"max_speed\", min = 2, max = 1 }"));
+    assert_eq!(marked(&e), "1");
+    let e = bad_text(&with("{ column = \"max_speed\", max = 1, from = \"2 s\", until = \"1 s\" }"));
+    assert!(e.message.contains("is before `from`"), "{e}");
+    let scene =
+        load(&with("[{ column = \"drops\", max = 1 }, { column = \"wetted_nothing\", max = 1 }]"), &[]);
+    let e = ensure_columns(&scene.unwrap()).unwrap_err();
+    assert_eq!((marked(&e), e.exit_status()), ("\"wetted_nothing\"", 3));
 }
 
 #[test]

@@ -439,12 +439,16 @@ fn runs_tell_of_inverted_elements_and_overlaps() {
     let done =
         setup.run(&job, &Folder::at(&out), ExistingRun::Replace, &|| None, &mut SilentObserver).unwrap();
     let header = std::fs::read_to_string(out.join("timeseries.csv")).unwrap();
-    assert!(header.lines().next().unwrap().ends_with("deflection_body,tip_body_x,tip_body_y"), "{header}");
-    assert_eq!(header.lines().nth(1).unwrap().split(',').count(), COLUMNS.len() + 3 + 7);
+    let last = "deflection_body,tip_body_x,tip_body_y,tip_width_body,tip_spread_body";
+    assert!(header.lines().next().unwrap().ends_with(last), "{header}");
+    assert_eq!(header.lines().nth(1).unwrap().split(',').count(), COLUMNS.len() + 3 + 10);
     // The free plate's tip is at its ends, from 1 to 3 cm and 1 to 1.4 cm: their mean is its middle.
     let series = TimeSeries::parse(&header);
     let last = |name: &str| series.column(name).last().copied().unwrap();
     assert!((last("tip_body_x") - 0.02).abs() < 1e-9 && (last("tip_body_y") - 0.012).abs() < 1e-9);
+    let diagonal = 0.02f64.hypot(0.004);
+    assert!((last("tip_width_body") - diagonal).abs() < 1e-9 && last("tip_spread_body") < 1e-9);
+    assert!(last("line_loops_body") == 0.0);
     assert!(last("deflection_body") < 1e-9 && last("wetted_body") == 0.0 && last("angle_body_left").is_nan());
     let mesh = PlyMesh::load(&out.join("frames/solid_body_0002.ply")).unwrap();
     for name in ["ux", "uy", "uz", "strain"] {

@@ -46,6 +46,8 @@ pub enum Scheme {
     Meniscus,
     /// The seven steps of the paper, with its errata corrected ([`crate::paper`]).
     Paper,
+    /// The same as printed, misprints aside.
+    PaperAsPrinted,
 }
 
 /// Parameters of the discretisation.

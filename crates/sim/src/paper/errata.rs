@@ -53,6 +53,10 @@ pub struct Errata {
     /// E27: elastic forces are those at `x^n + Δt v^{n+½}` in Eq. 16 and at `x^{n+1} + ½ Δt v^{n+1}` in Eq. 20, to first order in `Δt`.
     /// As printed they are explicit, and unstable in steps of the length that the paper has with its stiffnesses.
     pub implicit_elasticity: bool,
+    /// E28: the liquid slips along solids: beside them and within, its velocity is extrapolated from that of the liquid, with the normal part
+    /// of the solid's. As printed faces between liquid and solid have the solid's velocity, both components where the solid lies across
+    /// the grid: the line is held there, and its force bends the surface above it.
+    pub slip: bool,
 }
 
 impl Errata {
@@ -69,6 +73,7 @@ impl Errata {
         free_faces: true,
         solid_tensions: true,
         implicit_elasticity: true,
+        slip: true,
     };
     /// The paper as printed, misprints aside.
     pub const AS_PRINTED: Self = Self {
@@ -83,6 +88,7 @@ impl Errata {
         free_faces: false,
         solid_tensions: false,
         implicit_elasticity: false,
+        slip: false,
     };
     /// The state of the first implementation: E3 and E6 to E9 corrected, and nothing else.
     #[cfg(test)]

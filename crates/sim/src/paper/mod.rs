@@ -6,7 +6,7 @@
 //! paper leaves open.
 //!
 //! Grid, meshes, geodesic distances and linear solvers are those of the rest of Meniscus. A scene chooses this scheme by
-//! [`Scheme::Paper`](crate::Scheme::Paper).
+//! [`Scheme::Paper`](crate::Scheme::Paper), the method as printed by [`Scheme::PaperAsPrinted`](crate::Scheme::PaperAsPrinted).
 
 pub mod contact_line;
 pub mod coupling;

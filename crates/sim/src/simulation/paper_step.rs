@@ -25,7 +25,7 @@ const MAX_VISCOUS_STEP: f64 = 0.8;
 
 /// Longest step that the explicit terms of the scheme of the paper allow, s; no bound for the other scheme.
 pub fn stable_paper_dt<const D: usize>(model: &Model<D>) -> f64 {
-    if model.numerics.scheme != Scheme::Paper {
+    if model.numerics.scheme == Scheme::Meniscus {
         return f64::INFINITY;
     }
     let viscous = model.grid.dx.powi(2) / (2.0 * D as f64 * model.kinematic_viscosity);

@@ -244,7 +244,7 @@ impl<const D: usize> Simulation<D> {
             let snapshot = Snapshot::take(&self.model, &mut self.state, &mut self.workspace);
             let step = match self.model.numerics.scheme {
                 Scheme::Meniscus => meniscus_step,
-                Scheme::Paper => paper_step,
+                Scheme::Paper | Scheme::PaperAsPrinted => paper_step,
             };
             let result = step(&self.model, &mut self.state, &mut self.workspace, dt, phase_end);
             let failure = match result.map(|result| (self.judge(&start, &result, dt), result)) {

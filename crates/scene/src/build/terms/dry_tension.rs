@@ -14,7 +14,7 @@ pub fn term<const D: usize>(
     spec: &SolidSpec,
     mesh: &VolumeMesh<D>,
 ) -> Result<Option<Box<dyn DiscreteGradientTerm<D>>>, SceneError> {
-    let tension = dry_surface_tension(scene, spec)?.filter(|_| scene.numerics.scheme != Scheme::Paper);
+    let tension = dry_surface_tension(scene, spec)?.filter(|_| scene.numerics.scheme == Scheme::Meniscus);
     Ok(tension.map(|tension| Box::new(SurfaceTension::new(mesh, tension)) as Box<_>))
 }
 

@@ -22,14 +22,14 @@ mod liquid;
 mod material;
 mod numerics;
 mod output;
-mod repairs;
 mod solid;
 mod wetting;
 
 pub use contact_line::{ContactLine, Hysteresis};
 pub use domain::{Domain, Quality, Wall};
 pub(super) use expect::Names;
-pub use expect::{Deflection, Expect, Side, Wetted};
+pub(crate) use expect::entry as expect_entry;
+pub use expect::{Deflection, Expect, SeriesBound, SeriesValue, Side, Wetted};
 pub use keyframe::Keyframe;
 pub use liquid::{Body, Liquid};
 pub use material::{Elastic, Material};

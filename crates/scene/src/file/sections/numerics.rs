@@ -74,6 +74,9 @@ pub enum Scheme {
     /// solids without contact. Of this section it uses `cfl`, `max_step`, `fixed_step`, `capillary_step` up to 1,
     /// `tolerance`, twenty times `max_iterations`, and `threads`.
     Paper,
+    /// The same with the errors of the paper as they are printed, to show what they do: drops lose volume and miss their angles, and soft
+    /// solids need short steps.
+    PaperAsPrinted,
 }
 
 impl Numerics {

@@ -14,7 +14,7 @@ use crate::paper::fluid::cells::{CellType, CellTypes, Face, FaceType};
 use crate::paper::fluid::fractions::{closed_along_solids, liquid_mass};
 use crate::paper::fluid::surface_shape::SurfaceShape;
 use crate::paper::fluid::surface_tension::SurfaceTension;
-use crate::paper::{Errata, LineImpulse, Tensions};
+use crate::paper::{Errata, LineImpulse};
 use crate::solid::{Kinematics, Solid, SolidKind, SolidState, SolidSurfaces, Solids};
 use meniscus_elastic::{ConstitutiveLaw, Elastic, ElasticSpecification, ElementOrder};
 use meniscus_numerics::fit::solve;
@@ -430,7 +430,8 @@ fn laplace_pressure<const D: usize>(n: usize, errata: Errata) -> f64 {
             phi: Sampler::cells(&grid, &phi, [[BoundaryExtension::Even; 2]; D]),
             side: &|_| (f64::INFINITY, Vector::zeros()),
         },
-        tensions: Tensions { liquid_air: tension, liquid_solid: 0.0, solid_air: 0.0 },
+        liquid_air: tension,
+        liquid_solid: &|_| 0.0,
         density: DENSITY,
         dt,
         errata,

@@ -30,7 +30,7 @@ use super::curvature::curvature;
 use super::fractions::phi_at_face;
 use super::interfaces::{Interface, interface_at};
 use super::surface_shape::SurfaceShape;
-use crate::paper::{Errata, Tensions};
+use crate::paper::Errata;
 use meniscus_numerics::grid::{FaceField, Grid, Lattice};
 use meniscus_numerics::linalg::{
     Jacobi, LinearOperator, SolveError, SolveLimits, SolveReport, conjugate_gradient,
@@ -64,8 +64,10 @@ pub struct SurfaceTension<'a, const D: usize> {
     pub types: &'a CellTypes<D>,
     /// The liquid's surface, closed along solids, or continued into them ([`Errata::open_surface`]).
     pub shape: SurfaceShape<'a, D>,
-    /// The tensions; that of dry solids does not act here, and with an open surface that of wetted ones neither.
-    pub tensions: Tensions,
+    /// Tension of the liquid's surface, N/m.
+    pub liquid_air: f64,
+    /// Tension of wetted solids near a point (m), N/m; with an open surface it does not act here.
+    pub liquid_solid: &'a (dyn Fn(&Vector<D>) -> f64 + Sync),
     /// Density of the liquid, kg/m³.
     pub density: f64,
     /// Length of the step, s.
@@ -138,8 +140,7 @@ impl<const D: usize> SurfaceTension<'_, D> {
             let [lower, upper] = self.phi_beside(face);
             let (phi, sign) = if liquid_first { (lower, 1.0) } else { (upper, -1.0) };
             let step = heaviside(phi, epsilon, self.errata.one_sided_delta);
-            let pressure =
-                || self.tensions.liquid_air * self.shape.curvature(&self.types.center(face)) * step;
+            let pressure = || self.liquid_air * self.shape.curvature(&self.types.center(face)) * step;
             (step > 0.0).then(|| (face, sign * pressure() * grid.face_area() * self.dt))
         };
         let faces = self.types.faces_of(FaceType::LiquidSolid);
@@ -171,7 +172,7 @@ impl<const D: usize> SurfaceTension<'_, D> {
         if !acts && delta == 0.0 {
             return None;
         }
-        let tension = self.tensions.liquid_air;
+        let tension = self.liquid_air;
         let curvature = if acts { self.shape.curvature(&self.types.center(face)) } else { 0.0 };
         Some(BandFace {
             index: face.index,
@@ -198,9 +199,10 @@ impl<const D: usize> SurfaceTension<'_, D> {
             (true, true) => [2.0, 2.0],
             (true, false) => [0.0, 1.0],
         };
-        let closest = || interface_at(self.types, &(self.types.center(face) - normal * phi));
-        let is_with_solid = !self.errata.open_surface && closest() == Interface::LiquidSolid;
-        let tension = if is_with_solid { self.tensions.liquid_solid } else { self.tensions.liquid_air };
+        let closest = self.types.center(face) - normal * phi;
+        let interface = || interface_at(self.types, &closest);
+        let is_with_solid = !self.errata.open_surface && interface() == Interface::LiquidSolid;
+        let tension = if is_with_solid { (self.liquid_solid)(&closest) } else { self.liquid_air };
         let force = -tension * delta * self.face_curvature(grid, face) * normal[axis];
         let diffusion = tension.max(0.0) * delta * self.dt * self.dt / self.density;
         Some(BandFace {

@@ -148,7 +148,8 @@ fn pressure_fraction<const D: usize>(errata: Errata) -> f64 {
     let tension = SurfaceTension {
         types: &types,
         shape: shape_without_solids(&grid, &phi),
-        tensions: TENSIONS,
+        liquid_air: TENSIONS.liquid_air,
+        liquid_solid: &|_| TENSIONS.liquid_solid,
         density: 2.0,
         dt: 1e-3,
         errata,
@@ -202,7 +203,8 @@ fn implicit_step<const D: usize>(errata: Errata) {
     let step = SurfaceTension {
         types: &types,
         shape: shape_without_solids(&grid, &phi),
-        tensions: TENSIONS,
+        liquid_air: TENSIONS.liquid_air,
+        liquid_solid: &|_| TENSIONS.liquid_solid,
         density: 2.0,
         dt: 0.3,
         errata,

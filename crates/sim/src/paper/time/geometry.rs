@@ -2,7 +2,7 @@
 
 use super::scheme::PaperScheme;
 use super::state::PaperState;
-use super::transport::redistanced;
+use super::transport::{SolidMotion, extend_velocity, redistanced};
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use crate::paper::coupling::solid_map::{SolidMap, joined};
 use crate::paper::fluid::cells::{CellTypes, FaceType};
@@ -10,7 +10,7 @@ use crate::paper::fluid::continuation::continue_into_solids;
 use crate::paper::fluid::fractions::{cell_fraction, closed_along_solids};
 use crate::paper::fluid::surface_shape::{SolidSide, SurfaceShape};
 use crate::solid::{SolidState, SolidSurfaces, Solids};
-use meniscus_numerics::grid::{CellField, Sampler};
+use meniscus_numerics::grid::{CellField, FaceField, Sampler};
 use meniscus_numerics::mesh::SurfaceMesh;
 use meniscus_numerics::{Vector, par};
 
@@ -90,6 +90,22 @@ pub fn solid_side<const D: usize>(
 }
 
 impl<const D: usize> PaperScheme<D> {
+    /// Extrapolates a velocity, m/s, over the band around the liquid of a geometry ([`extend_velocity`]).
+    pub(super) fn extend_velocity(
+        &self,
+        geometry: &Geometry<D>,
+        states: &[SolidState<D>],
+        velocity: &mut FaceField<D>,
+    ) {
+        let (solids, step) = (geometry.solids(self, states), NORMAL_STEP_CELLS * self.model.grid.dx);
+        let motion = |x: &Vector<D>| {
+            let nearest = solids.nearest(x).map(|number| solids.get(number));
+            nearest.map_or([Vector::zeros(); 2], |solid| solid.normal_and_velocity(x, step))
+        };
+        let slips = (self.errata.slip && !states.is_empty()).then_some(&motion as SolidMotion<'_, D>);
+        extend_velocity(&self.model, (&geometry.types, &geometry.phi), slips, velocity);
+    }
+
     /// The level set of a surface that has been carried, m: continued into solids or closed along them, and a distance.
     pub(crate) fn restored_surface(&self, states: &[SolidState<D>], phi: CellField<D>) -> CellField<D> {
         let model = &self.model;

@@ -4,6 +4,7 @@ use crate::model::{Model, Scheme};
 use crate::paper::contact_line::RADIUS_CELLS;
 use crate::paper::coupling::solver::{PAPER_LIMITS, Solver};
 use crate::paper::{Errata, Tensions};
+use crate::solid::Solids;
 use meniscus_numerics::Vector;
 use meniscus_numerics::linalg::SolveLimits;
 use meniscus_numerics::mesh::{ShapeSurface, SurfaceMesh};
@@ -41,11 +42,11 @@ pub struct PaperScheme<const D: usize> {
 impl<const D: usize> PaperScheme<D> {
     /// The scheme of the paper, if it is the model's.
     pub fn chosen_by(model: &Model<D>) -> Option<Arc<Self>> {
-        let is_chosen = model.numerics.scheme == Scheme::Paper;
+        let is_chosen = model.numerics.scheme != Scheme::Meniscus;
         is_chosen.then(|| Arc::new(Self::of_model(model.clone())))
     }
 
-    /// The scheme that a model's parameters choose, with all errata corrected.
+    /// The scheme that a model's parameters choose; with all errata corrected if they choose another scheme.
     pub fn of_model(model: Model<D>) -> Self {
         let numerics = model.numerics;
         let radius_cells = numerics.line_radius / model.grid.dx;
@@ -53,7 +54,12 @@ impl<const D: usize> PaperScheme<D> {
             tolerance: numerics.tolerance,
             max_iterations: ITERATIONS_RATIO * numerics.max_iterations,
         };
+        let errata = match numerics.scheme {
+            Scheme::PaperAsPrinted => Errata::AS_PRINTED,
+            Scheme::Paper | Scheme::Meniscus => Errata::CORRECTED,
+        };
         Self {
+            errata,
             contact_line: numerics.contact_line,
             radius_cells: if radius_cells > 0.0 { radius_cells } else { RADIUS_CELLS },
             limits,
@@ -99,8 +105,13 @@ impl<const D: usize> PaperScheme<D> {
         self.tensions.unwrap_or_else(of_model)
     }
 
-    /// The tensions of Eq. 6; where solids differ, wetted ones have none there.
-    pub(super) fn fluid_tensions(&self) -> Tensions {
-        self.tensions.unwrap_or(Tensions::of_cosine(self.model.surface_tension, 0.0))
+    /// The tension of the wetted surface of the solid nearest to a point (m), N/m; zero without solids.
+    pub(super) fn wetted_tension(&self, solids: Solids<'_, D>, x: &Vector<D>) -> f64 {
+        solids.nearest(x).map_or(0.0, |number| self.tensions_at(solids.get(number), x).liquid_solid)
+    }
+
+    /// The tension of the liquid's surface, N/m.
+    pub(super) fn liquid_air_tension(&self) -> f64 {
+        self.tensions.map_or(self.model.surface_tension, |tensions| tensions.liquid_air)
     }
 }

@@ -3,7 +3,6 @@
 use super::geometry::Geometry;
 use super::scheme::PaperScheme;
 use super::state::PaperState;
-use super::transport::extend_velocity;
 use crate::model::resolution::BAND_WIDTH_CELLS;
 use meniscus_numerics::grid::{CellField, FaceField};
 use meniscus_numerics::{Vector, par};
@@ -23,11 +22,11 @@ impl<const D: usize> PaperScheme<D> {
         });
         let solids = self.model.initial_solids();
         let phi = self.restored_surface(&solids, phi);
-        let closed = Geometry::new(self, &solids, &phi).phi;
+        let geometry = Geometry::new(self, &solids, &phi);
         let mut field = FaceField::zeros(grid);
         field.axes.iter_mut().enumerate().for_each(|(axis, values)| values.fill(velocity[axis]));
-        extend_velocity(&self.model, &closed, &mut field);
-        let target_volume = self.volume(&closed);
+        self.extend_velocity(&geometry, &solids, &mut field);
+        let target_volume = self.volume(&geometry.phi);
         let pressure_impulse = CellField::new(grid, 0.0);
         PaperState {
             time: 0.0,

@@ -20,13 +20,12 @@ use super::line::ContactLines;
 use super::scheme::PaperScheme;
 use super::solves::{SolidSystem, Solved};
 use super::state::PaperState;
-use super::transport::{add_viscosity_and_gravity, advect_level_set, advect_velocity, extend_velocity};
+use super::transport::{add_viscosity_and_gravity, advect_level_set, advect_velocity};
 use crate::model::time_step::MAX_FORCED_DEFORMATION_INCREMENT;
 use crate::paper::coupling::line_map::push_faces;
 use crate::paper::coupling::momentum::{solid_rows, with_line};
 use crate::paper::coupling::solids::SolidUnknowns;
 use crate::paper::fluid::cells::Face;
-use crate::paper::fluid::surface_shape::SolidSide;
 use crate::paper::fluid::surface_tension::SurfaceTension;
 use crate::paper::solid::{explicit_velocities, set_prescribed_velocities};
 use crate::solid::SolidState;
@@ -60,14 +59,18 @@ impl<const D: usize> PaperScheme<D> {
         let mut solids = state.solids.clone();
         set_prescribed_velocities(&self.model, &mut solids, state.time, dt);
         let before = Geometry::new(self, &solids, &state.phi);
-        let (moved, first) = self.move_solids(state, &before, &solids, dt)?;
+        self.extend_velocity(&before, &solids, &mut state.velocity);
+        let (mut moved, first) = self.move_solids(state, &before, &solids, dt)?;
 
         // (3) The velocity of transport.
         let between = Geometry::new(self, &moved, &before.surface);
         let mut transport = state.velocity.clone();
         let missing = self.missing_volume(&before.phi, state.target_volume);
         let second = self.project_transport([&before, &between], &mut transport, missing, dt)?;
-        extend_velocity(&self.model, &between.phi, &mut transport);
+        self.extend_velocity(&between, &moved, &mut transport);
+        for ((solid, now), start) in self.model.solids.iter().zip(&mut moved).zip(&solids) {
+            solid.set_node_velocities(now, &start.node_velocities());
+        }
 
         // (4) The surface.
         let phi = advect_level_set(&self.model, &between.surface, &transport, dt);
@@ -76,8 +79,18 @@ impl<const D: usize> PaperScheme<D> {
         // (5) Velocities before the last solve.
         let mut velocity = advect_velocity(&self.model, &state.velocity, &transport, dt);
         add_viscosity_and_gravity(&self.model, &mut velocity, dt);
-        let side = solid_side(after.solids(self, &moved));
-        let force = self.surface_tension(&after, &side, dt);
+        let solids = after.solids(self, &moved);
+        let side = solid_side(solids);
+        let wetted = |x: &Vector<D>| self.wetted_tension(solids, x);
+        let force = SurfaceTension {
+            types: &after.types,
+            shape: after.shape(self, &side),
+            liquid_air: self.liquid_air_tension(),
+            liquid_solid: &wetted,
+            density: self.model.density,
+            dt,
+            errata: self.errata,
+        };
         let surface_tension = force.apply(&mut velocity, self.limits)?;
         let on_solids = force.solid_impulses();
 
@@ -89,7 +102,7 @@ impl<const D: usize> PaperScheme<D> {
         let forces = SurfaceForces { lines: &lines, on_solids };
         let (third, unreached) =
             self.final_solve(state, &after, moved.clone(), &forces, &mut velocity, dt)?;
-        extend_velocity(&self.model, &after.phi, &mut velocity);
+        self.extend_velocity(&after, &state.solids, &mut velocity);
         (state.velocity, state.phi) = (velocity, after.surface.clone());
         state.time += dt;
         Ok(PaperReport {
@@ -107,7 +120,7 @@ impl<const D: usize> PaperScheme<D> {
         if self.errata.implicit_elasticity { dt } else { 0.0 }
     }
 
-    /// Steps 1 and 2: the solids at the end of the step, with their velocities at its start.
+    /// Steps 1 and 2: the solids at the end of the step, with their velocities in the middle of it.
     fn move_solids(
         &self,
         state: &PaperState<D>,
@@ -130,29 +143,10 @@ impl<const D: usize> PaperScheme<D> {
             if increment > limit {
                 return Err(SolveError::DeformationTooLarge { increment, limit });
             }
-            let start = now.node_velocities();
             solid.set_node_velocities(now, nodes);
             solid.advance(now, state.time, dt);
-            solid.set_node_velocities(now, &start);
         }
         Ok((moved, report))
-    }
-
-    /// Eq. 6 at a geometry.
-    fn surface_tension<'a>(
-        &'a self,
-        geometry: &'a Geometry<D>,
-        side: SolidSide<'a, D>,
-        dt: f64,
-    ) -> SurfaceTension<'a, D> {
-        SurfaceTension {
-            types: &geometry.types,
-            shape: geometry.shape(self, side),
-            tensions: self.fluid_tensions(),
-            density: self.model.density,
-            dt,
-            errata: self.errata,
-        }
     }
 
     /// Steps 6 and 7: sets the velocities of solids and line, and makes `u*` the velocity at the end of the step. Returns the number of

@@ -237,6 +237,7 @@ fn angles_at_rest() {
             "fit" => errata.tangent_at_line = false,
             "offset" => errata.exact_line = false,
             "sampled" => errata.balanced_force = false,
+            "held" => errata.slip = false,
             _ => {}
         }
     }
@@ -325,4 +326,34 @@ fn free_balls_at_rest() {
             println!("{n}: {:.4?}", ball_at_rest::<2>(n, errata, 0.02));
         }
     }
+}
+
+/// Mean velocity along a wall that is tilted by 45 degrees of half a ball without tension that gravity drives
+/// along it, over that of free fall.
+fn slide(errata: Errata) -> f64 {
+    let (along, normal) = (Vector::<2>::from([1.0, 1.0]).normalize(), Vector::from([-1.0, 1.0]).normalize());
+    let middle = Vector::from([0.45, 0.4]);
+    let wall = Solid::new(Shape::HalfSpace { point: middle, normal }, SolidKind::Fixed, 1.0);
+    let grid = Grid::new([32; 2], 1.0 / 32.0);
+    let mut scheme = PaperScheme::new(Model::of_test(grid, vec![wall]), Some(NO_TENSIONS));
+    (scheme.errata, scheme.model.gravity, scheme.model.kinematic_viscosity) = (errata, along * 2.0, 0.05);
+    scheme.contact_line = false;
+    let mut state = scheme.start(&|x| (x - middle).norm() - 0.22, &Vector::zeros());
+    for _ in 0..50 {
+        scheme.step(&mut state, DT).unwrap();
+    }
+    let types = Geometry::new(&scheme, &state.solids, &state.phi).types;
+    let mean = |axis: usize| {
+        let faces = types.faces_of(FaceType::Liquid).into_iter().filter(|face| face.axis == axis);
+        let values: Vec<f64> = faces.map(|face| state.velocity.axes[axis][face.index]).collect();
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    Vector::from([mean(0), mean(1)]).dot(&along) / (2.0 * 50.0 * DT)
+}
+
+#[test]
+fn a_drop_slides_down_a_tilted_wall_as_if_it_fell() {
+    let [slips, held] = [true, false].map(|slip| slide(Errata { slip, ..Errata::CORRECTED }));
+    println!("{slips} {held}");
+    assert!((slips - 1.0).abs() < 0.07 && held < 0.88, "{slips} {held}");
 }

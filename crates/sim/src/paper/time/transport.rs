@@ -6,6 +6,7 @@
 use crate::flow::paths::departure_point;
 use crate::model::resolution::{BAND_LAYERS, BAND_WIDTH_CELLS};
 use crate::model::{Model, Wall};
+use crate::paper::fluid::cells::{CellType, CellTypes, Face, FaceType};
 use meniscus_numerics::grid::{Band, CellField, FaceField, Runs, Sampler, Tiles, VelocityExtension};
 use meniscus_numerics::level_set::redistance;
 use meniscus_numerics::{Vector, par};
@@ -29,8 +30,18 @@ pub fn redistanced<const D: usize>(model: &Model<D>, mut phi: CellField<D>) -> C
     phi
 }
 
-/// Extrapolates a velocity from the faces of the liquid's cells over the band; beyond it is zero.
-pub fn extend_velocity<const D: usize>(model: &Model<D>, phi: &CellField<D>, velocity: &mut FaceField<D>) {
+/// The solid nearest to a point (m): its normal, and its velocity there, m/s.
+pub type SolidMotion<'a, const D: usize> = &'a (dyn Fn(&Vector<D>) -> [Vector<D>; 2] + Sync);
+
+/// Extrapolates a velocity from the faces of the liquid's cells over the band; beyond it is zero. With the motion of the solids the liquid
+/// slips along them ([`Errata::slip`](crate::paper::Errata::slip)): faces beside solids are extrapolated as well, and of them and of those
+/// within solids the normal part is the solid's.
+pub fn extend_velocity<const D: usize>(
+    model: &Model<D>,
+    (types, phi): (&CellTypes<D>, &CellField<D>),
+    solids: Option<SolidMotion<'_, D>>,
+    velocity: &mut FaceField<D>,
+) {
     let (liquid, band) = liquid_and_band(model, phi);
     let faces: [_; D] = std::array::from_fn(|axis| liquid.faces(&model.grid, axis));
     let mut known = FaceField::zeros(model.grid);
@@ -43,10 +54,44 @@ pub fn extend_velocity<const D: usize>(model: &Model<D>, phi: &CellField<D>, vel
     }
     let mut extension = VelocityExtension::new(model.grid);
     extension.set_liquid_faces(faces);
+    let beside = types.faces_of(FaceType::LiquidSolid);
+    if solids.is_some() {
+        let of = |axis: usize| beside.iter().filter(|f| f.axis == axis).map(|f| f.index as u32).collect();
+        extension.unmark_closed_faces(&std::array::from_fn(of));
+    }
     let distance = Sampler::cells(&model.grid, &phi.data, model.scalar_boundary());
     let closed = |axis: usize, side: usize| model.walls[axis][side] == Wall::Slip;
     extension.extrapolate(&mut known, &band, &phi.data, &distance, closed);
+    if let Some(solids) = solids {
+        slip_along_solids(model, (types, &band), solids, &mut known);
+    }
     *velocity = known;
+}
+
+/// Sets the normal part of a velocity, m/s, on the faces of a band's solid cells to that of the solids.
+fn slip_along_solids<const D: usize>(
+    model: &Model<D>,
+    (types, band): (&CellTypes<D>, &Band<D>),
+    solids: SolidMotion<'_, D>,
+    velocity: &mut FaceField<D>,
+) {
+    let is_solid = |c: usize| types.cell(c) == CellType::Solid;
+    let cells: Vec<usize> = band.cells.iter().map(|c| *c as usize).filter(|c| is_solid(*c)).collect();
+    let before = velocity.clone();
+    let flow = model.velocity_sampler(&before);
+    for axis in 0..D {
+        let mut faces: Vec<Face> = cells.iter().flat_map(|c| types.faces(*c, axis)).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        faces.retain(|face| types.face(*face) != FaceType::ClosedSide);
+        let value = |face: &Face| {
+            let x = types.center(*face);
+            let (u, [normal, of_solid]) = (flow.linear(&x), solids(&x));
+            u[axis] + normal[axis] * normal.dot(&(of_solid - u))
+        };
+        let values = par::map_slice(&faces, 64, value);
+        faces.iter().zip(values).for_each(|(face, value)| velocity.axes[axis][face.index] = value);
+    }
 }
 
 /// The level set after a step of `dt` (s) with a velocity that is known in the band (Eq. 19), m; not a distance.

@@ -1,9 +1,14 @@
 //! `[expect]`: what is checked at the end of a run.
 
-use super::repairs::RepairBounds;
+mod repairs;
+mod series;
+
+pub use series::{SeriesBound, SeriesValue};
+
 use crate::error::SceneError;
 use crate::file::text::{Angle, Either, Frequency, Length, Si, Speed, Time, one_or_many};
 use crate::file::validator::Validator;
+use repairs::RepairBounds;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -66,6 +71,10 @@ pub struct Expect {
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
     #[schemars(with = "Either<Deflection, Vec<Deflection>>")]
     pub deflection: Vec<Deflection>,
+    /// Values of columns of the time series.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "one_or_many")]
+    #[schemars(with = "Either<SeriesBound, Vec<SeriesBound>>")]
+    pub series: Vec<SeriesBound>,
 }
 
 /// An upper bound, 0 or more.
@@ -228,7 +237,7 @@ pub enum Side {
 }
 
 /// The path of an entry of a key that has one table or a list of them.
-fn entry(key: &str, count: usize, i: usize) -> String {
+pub(crate) fn entry(key: &str, count: usize, i: usize) -> String {
     if count > 1 { format!("expect.{key}.{i}") } else { format!("expect.{key}") }
 }
 
@@ -290,6 +299,9 @@ impl Expect {
         self.validate_angles(named, v)?;
         self.validate_solids(named, v)?;
         self.validate_deflection(named, v)?;
+        for (i, bound) in self.series.iter().enumerate() {
+            bound.validate(&entry("series", self.series.len(), i), v)?;
+        }
         let swinging = self.frequency.as_ref().and_then(|f| f.solid.as_deref());
         swinging.map_or(Ok(()), |solid| deforms("expect.frequency.solid", solid, named, v))
     }

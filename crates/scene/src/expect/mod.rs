@@ -1,19 +1,22 @@
 //! Evaluates the `[expect]` section at the end of a run from the files in its folder.
 
-use crate::file::{Deflection, Expect, Scene, Side, WALLS, Wetted};
+mod series;
+
+use crate::error::SceneError;
+use crate::file::{Deflection, Expect, Scene, SeriesBound, Side, WALLS, Wetted, expect_entry};
+use crate::output::solid_columns;
 use crate::output::summary::{SolidSummary, Summary, Verdict};
-use crate::output::time_series::TimeSeries;
+use crate::output::time_series::{COLUMNS, TimeSeries, force_columns};
 use crate::units::{format_four_digits, format_si};
+use series::{bounded_value, energy_growth, quantity, tip_period};
 use std::f64::consts::FRAC_PI_2;
+
+pub use series::period;
 
 /// Wetted share from which a surface counts as fully wetted; cells at a gap to the floor may count as dry.
 const FULLY_WETTED_SHARE: f64 = 0.98;
 /// Ratio of the liquid's force to the contact force on a solid, above which the liquid carries it.
 const FLOATING_FORCE_RATIO: f64 = 10.0;
-
-/// Deviation of a tip's height from its mean, over the largest deviation, below which a crossing of the mean counts as noise. Chosen without
-/// experiment.
-const NOISE_FRACTION: f64 = 0.1;
 
 /// Overlap depth, in cells, that is tolerated between touching solids.
 const OVERLAP_TOLERANCE_CELLS: f64 = 0.01;
@@ -24,6 +27,7 @@ pub fn evaluate(scene: &Scene, summary: &Summary, series: &TimeSeries) -> Vec<Ve
     let mut verdicts = of_run(expect, summary, series);
     verdicts.extend(of_liquid(expect, summary));
     verdicts.extend(of_solids(expect, summary));
+    verdicts.extend(expect.series.iter().map(|bound| of_column(bound, series)));
     verdicts.extend(solid_integrity(summary));
     verdicts
 }
@@ -52,7 +56,30 @@ pub fn names(expect: &Expect) -> Vec<String> {
     about("wetted", &mut expect.wetted.iter().map(|e| e.solid.clone()));
     about("position", &mut expect.position.iter().map(|e| e.solid.clone()));
     about("deflection", &mut expect.deflection.iter().map(|e| e.solid.clone()));
+    about("series", &mut expect.series.iter().map(|bound| bound.column.clone()));
     names
+}
+
+/// Checks that a run of the scene writes the columns that are expected.
+///
+/// # Errors
+/// [`SceneError`] at the name of a column that there is not, or that is no measure of the run.
+pub fn ensure_columns(scene: &Scene) -> Result<(), SceneError> {
+    let solids = || scene.solids.iter().map(|s| (s.name.as_str(), s.material.deforms()));
+    let mut columns: Vec<String> = COLUMNS.iter().map(|name| (*name).to_owned()).collect();
+    columns.extend(solids().flat_map(|(name, _)| force_columns(name)));
+    columns.extend(solids().flat_map(|(name, deforms)| solid_columns(name, scene.domain.dimension, deforms)));
+    let count = scene.expect.series.len();
+    for (i, bound) in scene.expect.series.iter().enumerate() {
+        if !columns.contains(&bound.column) {
+            let error =
+                SceneError::new(format!("the time series has no column `{}`", bound.column.escape_debug()));
+            let error = error.with_help(format!("columns of this scene: {}", columns.join(", ")));
+            let path = format!("{}.column", expect_entry("series", count, i));
+            return Err(scene.source.at_value(error, &path));
+        }
+    }
+    Ok(())
 }
 
 /// The invariants of deformable solids, the last ones of [`evaluate`].
@@ -96,6 +123,19 @@ fn of_run(expect: &Expect, summary: &Summary, series: &TimeSeries) -> Vec<Verdic
         at_most(&format!("repairs: {name}"), value, max, "")
     });
     bounds.into_iter().flatten().chain(repairs).collect()
+}
+
+/// A bounded value of a column, without unit.
+fn of_column(bound: &SeriesBound, series: &TimeSeries) -> Verdict {
+    let value = bounded_value(series, bound);
+    let [min, max] = [bound.min, bound.max];
+    let bar = match (min, max) {
+        (Some(min), Some(max)) => format!("{} to {}", format_value(min, ""), format_value(max, "")),
+        (Some(min), None) => format!("at least {}", format_value(min, "")),
+        (None, max) => format!("at most {}", format_value(max.unwrap_or(f64::INFINITY), "")),
+    };
+    let is_within = |v: f64| min.is_none_or(|min| v >= min) && max.is_none_or(|max| v <= max);
+    Verdict { quantity: quantity(bound), bar, value, unit: String::new(), pass: value.is_some_and(is_within) }
 }
 
 /// Drops, their reach, and contact angles.
@@ -245,21 +285,6 @@ pub fn format_value(value: f64, unit: &str) -> String {
     }
 }
 
-/// Largest rise of the total energy, with the energy that left through open sides, above its initial value, relative to the largest kind
-/// of energy at the start.
-fn energy_growth(series: &TimeSeries) -> Option<f64> {
-    let names = ["kinetic_energy", "surface_energy", "elastic_energy", "potential_energy"];
-    let kinds = names.map(|name| series.column(name));
-    let left = ["outflow_kinetic_energy", "outflow_stored_energy"].map(|name| series.column(name));
-    let left = |row: usize| left.iter().filter_map(|kind| kind.get(row)).sum::<f64>();
-    let total = |row: usize| kinds.iter().map(|kind| kind[row]).sum::<f64>() + left(row);
-    let rows = kinds.iter().map(|kind| kind.len()).min().filter(|&n| n > 0)?;
-    let scale = kinds.iter().map(|kind| kind[0].abs()).fold(0.0, f64::max);
-    let start = total(0);
-    let growth = (0..rows).map(|row| total(row) - start).fold(0.0, f64::max);
-    if scale > 0.0 { Some(growth / scale) } else { None }
-}
-
 /// How far the liquid extends towards a side at the end, m.
 fn reach(summary: &Summary, side: Side) -> Option<f64> {
     let last = summary.dimension.checked_sub(1)?;
@@ -276,155 +301,4 @@ fn reach(summary: &Summary, side: Side) -> Option<f64> {
         corner.get(axis).copied()
     });
     if upper { corners.reduce(f64::max) } else { corners.reduce(f64::min) }
-}
-
-/// Period of an oscillation, s: twice the mean distance of the maxima of the kinetic energy, of which each period has two. A maximum lies
-/// midway between the crossings of half its height, which noise in a few steps does not move. None with fewer than two maxima.
-pub fn period(series: &TimeSeries) -> Option<f64> {
-    let (time, energy) = (series.column("time"), series.column("kinetic_energy"));
-    let peaks = peaks(time, energy);
-    let (first, last) = (peaks.first()?, peaks.last()?);
-    let gaps = peaks.len().checked_sub(1).filter(|&n| n > 0)?;
-    Some(2.0 * (last - first) / gaps as f64)
-}
-
-/// Times of the maxima on both sides of which the curve falls below half of them.
-fn peaks(time: &[f64], curve: &[f64]) -> Vec<f64> {
-    let mut times = Vec::new();
-    let mut start = 0;
-    while let Some((top, end)) = next_peak(curve, start) {
-        let half = 0.5 * curve[top];
-        let rise = (start..top).rev().find(|&i| curve[i] < half);
-        if let Some(rise) = rise {
-            let before = crossing(time, curve, rise, half);
-            let after = crossing(time, curve, end - 1, half);
-            times.push(0.5 * (before + after));
-        }
-        start = end;
-    }
-    times
-}
-
-/// The largest value from `start` on before the curve falls below half of it, and the index where it does so. It must be twice the
-/// smallest value before it, so a curve that only falls from the start has no peak.
-fn next_peak(curve: &[f64], start: usize) -> Option<(usize, usize)> {
-    let (mut valley, mut top) = (start, start);
-    for i in start..curve.len() {
-        let risen = curve[top] > 2.0 * curve[valley];
-        if risen && curve[i] < 0.5 * curve[top] {
-            return Some((top, i));
-        }
-        if !risen && curve[i] <= curve[valley] {
-            (valley, top) = (i, i);
-        } else if curve[i] > curve[top] {
-            top = i;
-        }
-    }
-    None
-}
-
-/// Period of the height of a solid's tip, s: the mean time between upward crossings of its mean, from below [`NOISE_FRACTION`] of the
-/// largest deviation to above it. None with fewer than two crossings.
-fn tip_period(series: &TimeSeries, solid: &str, dimension: usize) -> Option<f64> {
-    let axis = if dimension == 2 { "y" } else { "z" };
-    let (time, height) = (series.column("time"), series.column(&format!("tip_{solid}_{axis}")));
-    let rows = time.len().min(height.len());
-    let span = time.get(rows.checked_sub(1)?)? - time[0];
-    let area = |i: usize| 0.5 * (height[i] + height[i + 1]) * (time[i + 1] - time[i]);
-    let mean = (0..rows - 1).map(area).sum::<f64>() / span;
-    let swing = height[..rows].iter().map(|h| (h - mean).abs()).fold(0.0, f64::max);
-    let noise = NOISE_FRACTION * swing;
-    let (mut crossings, mut below, mut at) = (Vec::new(), false, 0);
-    for (i, &h) in height[..rows].iter().enumerate() {
-        below |= h < mean - noise;
-        if below && h <= mean {
-            at = i;
-        }
-        if below && h > mean + noise {
-            crossings.push(crossing(time, height, at, mean));
-            below = false;
-        }
-    }
-    let gaps = crossings.len().checked_sub(1).filter(|&n| n > 0)?;
-    Some((crossings[gaps] - crossings[0]) / gaps as f64)
-}
-
-/// The time between rows `i` and `i + 1` at which the curve takes the value `level`.
-fn crossing(time: &[f64], curve: &[f64], i: usize, level: f64) -> f64 {
-    let fraction = (level - curve[i]) / (curve[i + 1] - curve[i]);
-    time[i] + fraction.clamp(0.0, 1.0) * (time[i + 1] - time[i])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn damped(decay: f64, noise: f64) -> TimeSeries {
-        let mut text = String::from("time,kinetic_energy\n");
-        let mut random = 1u64;
-        for i in 0..400 {
-            random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let t = f64::from(i) * 0.01 + 1e-9 * (random >> 40) as f64;
-            let jitter = 1.0 + noise * ((random >> 33) as f64 / 2f64.powi(31) - 0.5);
-            text += &format!("{t},{}\n", (-2.0 * decay * t).exp() * (2.0 * t * 2.5).sin().powi(2) * jitter);
-        }
-        TimeSeries::parse(&text)
-    }
-
-    #[test]
-    fn period_from_kinetic_energy() {
-        let expected = 2.0 * std::f64::consts::PI / 5.0;
-        let measured = period(&damped(0.0, 0.0)).unwrap();
-        assert!((measured / expected - 1.0).abs() < 1e-3, "{measured} {expected}");
-        let measured = period(&damped(0.1, 0.02)).unwrap();
-        assert!((measured / expected - 1.0).abs() < 5e-3, "{measured} {expected}");
-        assert_eq!(period(&TimeSeries::default()), None);
-    }
-
-    #[test]
-    fn an_impact_is_no_peak() {
-        let mut text = String::from("time,kinetic_energy\n");
-        for i in 0..200 {
-            let t = f64::from(i) * 0.01;
-            let impact = if i < 20 { 5.0 + t } else { 0.0 };
-            text += &format!("{t},{}\n", impact + (5.0 * t).sin().powi(2));
-        }
-        let measured = period(&TimeSeries::parse(&text));
-        let expected = 0.4 * std::f64::consts::PI;
-        // With 60 samples per maximum, the midpoints of its flanks are off by less than a sample.
-        assert!(measured.is_some_and(|m| (m / expected - 1.0).abs() < 5e-3), "{measured:?}");
-    }
-
-    #[test]
-    fn a_tip_swings_about_its_mean() {
-        let mut text = String::from("time,tip_beam_z\n");
-        for i in 0..500 {
-            let t = f64::from(i) * 1e-4;
-            let height = 0.03 - 1e-4 * (-20.0 * t).exp() * (400.0 * t).sin() + 1e-6 * (9e4 * t).sin();
-            text += &format!("{t},{height}\n");
-        }
-        let series = TimeSeries::parse(&text);
-        let measured = tip_period(&series, "beam", 3).unwrap();
-        let expected = 2.0 * std::f64::consts::PI / 400.0;
-        assert!((measured / expected - 1.0).abs() < 5e-3, "{measured} {expected}");
-        assert_eq!(tip_period(&series, "leaf", 3), None);
-        assert_eq!(tip_period(&TimeSeries::default(), "beam", 3), None);
-    }
-
-    #[test]
-    fn energy_growth_is_relative() {
-        let table = TimeSeries::parse(
-            "kinetic_energy,surface_energy,elastic_energy,potential_energy\n0,2,0,0\n1,1.5,0,0\n0,1,1.2,0\n",
-        );
-        assert_eq!(energy_growth(&table), Some(0.25));
-        let bent = TimeSeries::parse(
-            "kinetic_energy,surface_energy,elastic_energy,potential_energy\n0,2,0,0\n0,1.5,1.5,0\n",
-        );
-        assert_eq!(energy_growth(&bent), Some(0.5));
-        let drained = TimeSeries::parse(
-            "kinetic_energy,surface_energy,elastic_energy,potential_energy,outflow_kinetic_energy,outflow_stored_energy\n\
-             0,2,0,0,0,0\n0,1,0,0,1,0.5\n",
-        );
-        assert_eq!(energy_growth(&drained), Some(0.25));
-    }
 }
