@@ -54,7 +54,8 @@ impl<const D: usize> PaperScheme<D> {
     /// Advances a state by `dt`, s.
     ///
     /// # Errors
-    /// [`SolveError`] of one of the solves, and [`SolveError::DeformationTooLarge`]; the state is then as before.
+    /// [`SolveError`] of one of the solves, and [`SolveError::DeformationTooLarge`]; the state is then as before, but for the velocity beyond
+    /// the liquid, which is extrapolated anew.
     pub fn step(&self, state: &mut PaperState<D>, dt: f64) -> Result<PaperReport<D>, SolveError> {
         let mut solids = state.solids.clone();
         set_prescribed_velocities(&self.model, &mut solids, state.time, dt);
@@ -62,7 +63,7 @@ impl<const D: usize> PaperScheme<D> {
         self.extend_velocity(&before, &solids, &mut state.velocity);
         let (mut moved, first) = self.move_solids(state, &before, &solids, dt)?;
 
-        // (3) The velocity of transport.
+        // (3) The velocity of transport, beside solids that move with their velocities in the middle of the step.
         let between = Geometry::new(self, &moved, &before.surface);
         let mut transport = state.velocity.clone();
         let missing = self.missing_volume(&before.phi, state.target_volume);
