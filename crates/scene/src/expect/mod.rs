@@ -63,7 +63,7 @@ pub fn names(expect: &Expect) -> Vec<String> {
 /// Checks that a run of the scene writes the columns that are expected.
 ///
 /// # Errors
-/// [`SceneError`] at the name of a column that there is not, or that is no measure of the run.
+/// [`SceneError`] at the name of a column that a run of the scene does not write.
 pub fn ensure_columns(scene: &Scene) -> Result<(), SceneError> {
     let solids = || scene.solids.iter().map(|s| (s.name.as_str(), s.material.deforms()));
     let mut columns: Vec<String> = COLUMNS.iter().map(|name| (*name).to_owned()).collect();

@@ -103,7 +103,7 @@ impl<const D: usize> PaperScheme<D> {
             nearest.map_or([Vector::zeros(); 2], |solid| solid.normal_and_velocity(x, step))
         };
         let slips = (self.errata.slip && !states.is_empty()).then_some(&motion as SolidMotion<'_, D>);
-        extend_velocity(&self.model, (&geometry.types, &geometry.phi), slips, velocity);
+        extend_velocity(&self.model, &geometry.types, &geometry.phi, slips, velocity);
     }
 
     /// The level set of a surface that has been carried, m: continued into solids or closed along them, and a distance.

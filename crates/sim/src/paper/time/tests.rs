@@ -355,5 +355,6 @@ fn slide(errata: Errata) -> f64 {
 fn a_drop_slides_down_a_tilted_wall_as_if_it_fell() {
     let [slips, held] = [true, false].map(|slip| slide(Errata { slip, ..Errata::CORRECTED }));
     println!("{slips} {held}");
+    // Measured: 0.944 and 0.835. What the first one lacks is not explained.
     assert!((slips - 1.0).abs() < 0.07 && held < 0.88, "{slips} {held}");
 }

@@ -38,7 +38,8 @@ pub type SolidMotion<'a, const D: usize> = &'a (dyn Fn(&Vector<D>) -> [Vector<D>
 /// within solids the normal part is the solid's.
 pub fn extend_velocity<const D: usize>(
     model: &Model<D>,
-    (types, phi): (&CellTypes<D>, &CellField<D>),
+    types: &CellTypes<D>,
+    phi: &CellField<D>,
     solids: Option<SolidMotion<'_, D>>,
     velocity: &mut FaceField<D>,
 ) {
@@ -63,15 +64,16 @@ pub fn extend_velocity<const D: usize>(
     let closed = |axis: usize, side: usize| model.walls[axis][side] == Wall::Slip;
     extension.extrapolate(&mut known, &band, &phi.data, &distance, closed);
     if let Some(solids) = solids {
-        slip_along_solids(model, (types, &band), solids, &mut known);
+        slip_along_solids(model, types, &band, solids, &mut known);
     }
     *velocity = known;
 }
 
-/// Sets the normal part of a velocity, m/s, on the faces of a band's solid cells to that of the solids.
+/// Sets the normal part of a velocity `u`, m/s, on the faces of a band's solid cells to that of the solids, `u + n n · (v_s − u)` (E28).
 fn slip_along_solids<const D: usize>(
     model: &Model<D>,
-    (types, band): (&CellTypes<D>, &Band<D>),
+    types: &CellTypes<D>,
+    band: &Band<D>,
     solids: SolidMotion<'_, D>,
     velocity: &mut FaceField<D>,
 ) {
